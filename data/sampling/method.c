@@ -33,11 +33,6 @@ const struct sampling_traits sampling_kinds[] = {
 };
 enum { KINDS = sizeof sampling_kinds / sizeof sampling_kinds[0] };
 
-bool sampling_makes_components(const struct sampling_method *method)
-{
-    return sampling_kinds[method->kind].flags & COMPONENTS;
-}
-
 static bool read_number(const struct word *number, struct sampling_method *out, struct error *err)
 {
     const bool gauss = out->kind >= SAMPLING_GAUSS && out->kind <= SAMPLING_GAUSS_ACC;

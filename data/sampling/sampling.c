@@ -47,7 +47,9 @@ double sampling_seen(const struct sampling *sampling, int j)
 
 /* ---- between wavelengths ---- */
 
-int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
+/* Finds the wavelength before nm, of n >= 1 increasing ones. *part: how far nm lies towards the
+ * next, 0 to 1; 0 if there is no next. Beyond the ends the end's wavelength stands for nm. */
+static int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
 {
     *part = 0;
     if (n < 2)

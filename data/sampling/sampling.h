@@ -142,7 +142,6 @@ struct fine_spectra {
     int n_products;   /* every term of every material: light times reflectance, luminescence, ... */
     double *products; /* [product][nm], none negative; owned */
 };
-void fine_spectra_free(struct fine_spectra *spectra);
 
 /* A detector at first_nm, first_nm + 1, ... nm. */
 struct fine_detector {
@@ -182,18 +181,12 @@ struct sampling {
  * makes NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
-/* Returns whether the pages of a method have no wavelengths, but are components of whole spectra.
- */
-bool sampling_makes_components(const struct sampling_method *method);
 /* Returns the sampling, or NULL for a zeroed one: functions take NULL for no sampling. */
 const struct sampling *sampling_or_none(const struct sampling *sampling);
 /* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
  * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
-/* Finds the wavelength before nm, of n >= 1 increasing ones. *part: how far nm lies towards the
- * next, 0 to 1; 0 if there is no next. Beyond the ends the end's wavelength stands for nm. */
-int wavelength_before(const double *wavelength_nm, int n, double nm, double *part);
 /* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
  * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
 double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,

@@ -66,8 +66,8 @@ bool detector_read(const char *name, struct detector *out, struct error *err)
     return channels_read(name, out, err) &&
            (out->n == 3 ||
             error_usage(err,
-                        "%s has %d channel%s; expected 3, as 'wavelength,x,y,z' (develop --raw, "
-                        "compare and probe --objects take any number)",
+                        "%s has %d channel%s; expected 3, as 'wavelength,x,y,z' (develop --raw "
+                        "and probe --objects take any number)",
                         name, out->n, out->n == 1 ? "" : "s"));
 }
 

@@ -25,7 +25,6 @@ static bool again_options(const struct options *options, const struct record *re
     out->quiet = options->quiet;
     struct render_options *made = out->own;
     made->maps = own->maps;
-    made->illumination = own->illumination;
     if (!made->renderer || strcmp(made->renderer, "raster") != 0)
         return !(own->no_check || own->strict || own->unchecked) ||
                error_usage(err,

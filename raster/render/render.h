@@ -163,7 +163,7 @@ extern const struct command render_command;
 struct render_options {
     const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part, *maps;
     double full_scale;
-    bool trust, no_check, strict, keep, illumination;
+    bool trust, no_check, strict, keep;
 };
 /* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
 extern const struct option_list renderer_options, library_option, judged_options, map_option,

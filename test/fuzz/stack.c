@@ -7,7 +7,6 @@
 
 #include "data/base/base.h"
 #include "data/images/images.h"
-#include "data/sampling/sampling.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "raster/beside/colour/colour.h"
@@ -47,10 +46,8 @@ static bool read_rows(struct cube *cube, struct error *err)
     return done;
 }
 
-static void develop_stack(const char *path, const struct development_options *options,
-                          const char *ending)
+static void develop_stack(const char *path, struct development of, const char *ending)
 {
-    struct development of = {.options = options};
     struct error err = {.status = EXIT_AGREED};
     char picture[FUZZ_PATH];
     fuzz_write(ending, "", 0, picture);
@@ -82,9 +79,10 @@ static void probe_pixel(const char *path)
 static void compare_with_itself(const char *path)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct comparison comparison = {.observer = "cie1931", .threads = 1};
-    if (fuzz_ends(compare(path, path, &comparison, &err), &err))
-        fuzz_holds(comparison.all.largest == 0, "a stack does not differ from itself");
+    struct options options = {.operands = {path, path}, .threads = 1};
+    struct comparison comparison = {.options = &options};
+    if (fuzz_ends(compare(&comparison, &err), &err))
+        fuzz_holds(comparison.all.peak.largest == 0, "a stack does not differ from itself");
     comparison_free(&comparison);
 }
 
@@ -99,29 +97,27 @@ static void join_part(const char *path)
 
 static void develop_colour(const char *path)
 {
-    const struct development_options options = {"cie1931", .bits = 16, .threads = 1,
-                                                .automatic = true};
-    develop_stack(path, &options, ".png");
+    const struct development of = {"cie1931", .bits = 16, .threads = 1, .automatic = true};
+    develop_stack(path, of, ".png");
 }
 
-static void develop_sampled(const char *path)
+static void develop_adapted(const char *path)
 {
-    const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .number = 5};
-    const struct development_options options = {"cie1964",
-                                                .adaptation = {ADAPTATION_CAT16, 0},
-                                                .white = "d65",
-                                                .exposure = 1,
-                                                .values = DEVELOP_LAB,
-                                                .threads = 1,
-                                                .sampling = &gauss};
-    develop_stack(path, &options, ".developed.tif");
+    const struct development of = {"cie1964",
+                                   .adaptation = {ADAPTATION_CAT16, 0},
+                                   .white = "d65",
+                                   .exposure = 1,
+                                   .values = DEVELOP_LAB,
+                                   .bits = 32,
+                                   .threads = 1};
+    develop_stack(path, of, ".developed.tif");
 }
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all
  * of them would take five times as long. */
 void fuzz_stack(const struct fuzz_input *input)
 {
-    void (*const readers[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
+    void (*const readers[])(const char *) = {develop_colour, develop_adapted, probe_pixel,
                                              compare_with_itself, join_part};
     const unsigned char last =
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];

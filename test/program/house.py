@@ -81,6 +81,7 @@ FUNCTION_PARAMETERS = 6
 FOR_TESTS = {
     "files_read_forget": "a test writes and reads the same file several times",
     "option_at": "tests make command lines of each command's options",
+    "sampling_make": "a test samples spectra that no scene has",
 }
 
 Finding = collections.namedtuple("Finding", "path line says")

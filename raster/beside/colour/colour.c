@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Colours: chromaticities, CIELAB, CIELUV, and three formulas for the difference of two colours. */
+/* Colours: chromaticities, CIELAB, and three formulas for the difference of two colours. */
 #include "data/maths/maths.h"
 #include "raster/beside/colour/colour.h"
 
@@ -30,24 +30,6 @@ void cielab(const double xyz[3], const double white[3], double out[3])
     out[0] = 116 * f[1] - 16;
     out[1] = 500 * (f[0] - f[1]);
     out[2] = 200 * (f[1] - f[2]);
-}
-
-/* Computes u' and v' of CIE 1976. Both are 0 if they are not defined, e.g. for black. */
-static void uniform_chromaticity(const double xyz[3], double out[2])
-{
-    const double sum = xyz[0] + 15 * xyz[1] + 3 * xyz[2];
-    out[0] = sum != 0 ? 4 * xyz[0] / sum : 0;
-    out[1] = sum != 0 ? 9 * xyz[1] / sum : 0;
-}
-
-void cieluv(const double xyz[3], const double white[3], double out[3])
-{
-    double of[2], of_white[2];
-    uniform_chromaticity(xyz, of);
-    uniform_chromaticity(white, of_white);
-    out[0] = 116 * compressed(xyz[1], white[1]) - 16;
-    for (int i = 0; i < 2; i++)
-        out[1 + i] = 13 * out[0] * (of[i] - of_white[i]);
 }
 
 /* ---- colour differences ---- */

@@ -9,10 +9,9 @@
 
 /* Computes x and y; 0, 0 for black. */
 void chromaticity(const double xyz[3], double out[2]);
-/* Compute L*, a*, b* and L*, u*, v* relative to a white (CIE 15:2018, 8.2.1 and 8.2.2). XYZ may be
- * negative. If X, Y or Z of the white is 0, that value of the colour counts as 0. */
+/* Computes L*, a*, b* relative to a white (CIE 15:2018, 8.2.1). XYZ may be negative. If X, Y or Z
+ * of the white is 0, that value of the colour counts as 0. `out` may be xyz. */
 void cielab(const double xyz[3], const double white[3], double out[3]);
-void cieluv(const double xyz[3], const double white[3], double out[3]);
 /* Return the difference of two colours in CIELAB. CIE 94 takes the first as the standard, with the
  * weights of graphic arts (kL = kC = kH = 1, K1 = 0.045, K2 = 0.015; CIE 116-1995). CIEDE2000 is
  * ISO/CIE 11664-6 with kL = kC = kH = 1. */
@@ -53,9 +52,7 @@ enum display_kind {
     DISPLAY_SRGB,   /* IEC 61966-2-1 */
     DISPLAY_MONITOR /* monitor of the thesis: equations 13 and 14 */
 };
-/* Reads srgb or monitor. Messages name `option`. */
-bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err);
-extern const char *const display_names[]; /* of enum display_kind */
+extern const char *const display_names[]; /* of enum display_kind, then NULL */
 /* Writes the matrix from XYZ, with Y = 100 for white, to linear red, green and blue from 0 to 1. */
 void display_matrix(enum display_kind kind, double out[3][3]);
 /* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips
@@ -68,9 +65,7 @@ double display_largest(enum display_kind kind, int channel);
  * by that. */
 bool display_store(enum display_kind kind, int bits, const double linear[3], void *out);
 
-/* Writes the ICC profile of a display, a built-in file with its matrix and tone curves, and returns
- * its length in bytes. */
-enum { LARGEST_PROFILE = 1024 };
-size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE]);
+/* Returns the ICC profile of a display, with its matrix and tone curves. */
+const struct builtin_file *display_profile(enum display_kind kind);
 
 #endif

@@ -4,8 +4,7 @@
 #include "data/maths/maths.h"
 #include "raster/beside/colour/colour.h"
 
-const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
-enum { KINDS = sizeof display_names / sizeof display_names[0] };
+const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor", NULL};
 
 /* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
  * linear = slope x value. */
@@ -19,16 +18,6 @@ static const double monitor[3][3] = {
 static const struct display_curve monitor_curves[3] = {
     {1.534, 1.035, 0, 0, 0}, {1.393, 1.053, 0, 0, 0}, {1.435, 1.047, 0, 0, 0}};
 static const struct display_curve srgb_curve = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
-
-bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err)
-{
-    for (int kind = 0; kind < KINDS; kind++)
-        if (strcmp(text, display_names[kind]) == 0) {
-            *out = (enum display_kind)kind;
-            return true;
-        }
-    return error_usage(err, "%s: expected srgb or monitor, found '%.100s'", option, text);
-}
 
 void display_matrix(enum display_kind kind, double out[3][3])
 {
@@ -77,7 +66,7 @@ bool display_store(enum display_kind kind, int bits, const double linear[3], voi
     return clipped;
 }
 
-size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
+const struct builtin_file *display_profile(enum display_kind kind)
 {
     const struct builtin_file *file;
     struct error none = {.status = EXIT_AGREED}; /* built-in files do not fail */
@@ -85,6 +74,5 @@ size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
     int descriptor;
     snprintf(path, sizeof path, BUILTIN_PREFIX "displays/%s.icc", display_names[kind]);
     file_open(path, (struct place){NULL, 0, 0}, &descriptor, &file, &none);
-    memcpy(out, file->bytes, file->length);
-    return file->length;
+    return file;
 }

@@ -18,8 +18,7 @@ struct match {
 struct pair {
     struct probe probes[2];
     struct cube cube;
-    struct sight sight;
-    double *white, *light, *lit; /* of each page; owned */
+    double *white, *light, *lit, *difference; /* of each page; the first owns all */
     int n;
 };
 
@@ -40,9 +39,9 @@ static void match_under(struct pair *pair, struct match *out)
         const double *mean = pair->probes[k].columns[MEAN].values;
         for (int i = 0; i < pair->n; i++)
             pair->lit[i] = pair->white[i] > 0 ? mean[i] / pair->white[i] * pair->light[i] : 0;
-        detector_response(pair->sight.weights, pair->lit, pair->n, out->xyz[k]);
+        detector_response(pair->probes[0].sight.weights, pair->lit, pair->n, out->xyz[k]);
     }
-    detector_response(pair->sight.weights, pair->light, pair->n, out->white);
+    detector_response(pair->probes[0].sight.weights, pair->light, pair->n, out->white);
     out->difference = difference(out->xyz[0], out->xyz[1], out->white);
 }
 
@@ -62,61 +61,40 @@ static void find_index(const struct match *recorded, struct match *out)
 
 static bool open_pair(struct pair *pair, const struct options *options, struct error *err)
 {
-    const struct white_request request = {NULL, true};
     const char *stack = options->operand;
     bool done = true;
     for (int k = 0; done && k < 2; k++)
-        done = (pair->probes[k].wanted ? probe_object : probe_stack)(&pair->probes[k], stack, err);
-    if (!done || !cube_open(stack, &pair->cube, err) ||
-        !sight_make(&pair->cube, options_detector(options), &request, &pair->sight, err))
+        done = probe_stack(&pair->probes[k], stack, err);
+    if (!done || !cube_open(stack, &pair->cube, err))
         return false;
-    pair->n = pair->cube.image.n_pages;
-    return MAKE_ARRAY(pair->white, pair->n, err, "a white of %d bands", pair->n) &&
-           MAKE_ARRAY(pair->light, pair->n, err, "a light of %d bands", pair->n) &&
-           MAKE_ARRAY(pair->lit, pair->n, err, "a spectrum of %d bands", pair->n) &&
-           cube_white(&pair->cube, NULL, pair->white, err);
-}
-
-static void pair_free(struct pair *pair)
-{
-    for (int k = 0; k < 2; k++)
-        probe_free(&pair->probes[k]);
-    sight_free(&pair->sight);
-    cube_close(&pair->cube);
-    FREE_ALL(pair->white, pair->light, pair->lit);
+    const int n = pair->n = pair->cube.image.n_pages;
+    if (!MAKE_ARRAY(pair->white, 4 * n, err, "spectra of %d bands", n))
+        return false;
+    pair->light = pair->white + n;
+    pair->lit = pair->light + n;
+    pair->difference = pair->lit + n;
+    for (int i = 0; i < n; i++)
+        pair->difference[i] =
+            pair->probes[1].columns[MEAN].values[i] - pair->probes[0].columns[MEAN].values[i];
+    return cube_white(&pair->cube, NULL, pair->white, err);
 }
 
 /* ---- out ---- */
 
 static void print_difference(const struct pair *pair, struct printed *to)
 {
-    const double *a = pair->probes[0].columns[MEAN].values,
-                 *b = pair->probes[1].columns[MEAN].values;
+    const double *off = pair->difference;
     double squares = 0;
     int largest = 0;
     for (int i = 0; i < pair->n; i++) {
-        squares += (b[i] - a[i]) * (b[i] - a[i]);
-        largest = fabs(b[i] - a[i]) > fabs(b[largest] - a[largest]) ? i : largest;
+        squares += off[i] * off[i];
+        largest = fabs(off[i]) > fabs(off[largest]) ? i : largest;
     }
     print(to, "difference        rms %.6g, largest %.6g at %.10g nm\n", sqrt(squares / pair->n),
-          b[largest] - a[largest], pair->probes[0].columns[WAVELENGTH].values[largest]);
-    print(to, "spectral angle    %.6g degrees\n", spectral_angle(a, b, pair->n));
-}
-
-static void print_rows(const struct pair *pair, bool csv, struct printed *to)
-{
-    if (csv)
-        print_text(to, "\"wavelength (nm)\",\"first\",\"second\",\"difference\"\n");
-    for (int i = 0; i < pair->n; i++) {
-        const double nm = pair->probes[0].columns[WAVELENGTH].values[i],
-                     a = pair->probes[0].columns[MEAN].values[i],
-                     b = pair->probes[1].columns[MEAN].values[i];
-        if (csv)
-            print(to, "%.*g,%.*g,%.*g,%.*g\n", exact_digits(nm), nm, exact_digits(a), a,
-                  exact_digits(b), b, exact_digits(b - a), b - a);
-        else
-            print(to, "%-17.10g %-12.6g %-12.6g %-12.6g\n", nm, a, b, b - a);
-    }
+          off[largest], pair->cube.image.wavelengths_nm[largest]);
+    print(to, "spectral angle    %.6g degrees\n",
+          spectral_angle(pair->probes[0].columns[MEAN].values, pair->probes[1].columns[MEAN].values,
+                         pair->n));
 }
 
 /* Prints a line for each light that the command line names. */
@@ -159,9 +137,17 @@ bool probe_against(struct options *options, const struct probe *first, const str
         print_difference(&pair, &printed);
         done = print_lights(&pair, options, &printed, err);
     }
-    if (done)
-        print_rows(&pair, csv, &printed);
+    if (done) {
+        const struct column columns[] = {{"wavelength", "nm", pair.cube.image.wavelengths_nm},
+                                         {"first", NULL, pair.probes[0].columns[MEAN].values},
+                                         {"second", NULL, pair.probes[1].columns[MEAN].values},
+                                         {"difference", NULL, pair.difference}};
+        (csv ? columns_print_csv : columns_print)(columns, 4, pair.n, &printed);
+    }
     done = printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
-    pair_free(&pair);
+    for (int k = 0; k < 2; k++)
+        probe_free(&pair.probes[k]);
+    cube_close(&pair.cube);
+    free(pair.white);
     return done;
 }

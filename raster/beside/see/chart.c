@@ -111,17 +111,6 @@ static void stretch(struct axis *axis, double value)
     axis->high = fmax(axis->high, value);
 }
 
-static void stretch_axes(struct plot *plot, const struct chart_series *series)
-{
-    struct axis *x = &plot->axes[ACROSS], *y = &plot->axes[side_of(series)];
-    for (int i = 0; i < series->n; i++) {
-        if (!is_drawn(plot, series, i))
-            continue;
-        stretch(x, series->x[i]);
-        stretch(y, series->y[i]);
-    }
-}
-
 /* Linear axes of y contain 0. */
 static void fit_axes(struct plot *plot)
 {
@@ -131,8 +120,14 @@ static void fit_axes(struct plot *plot)
         plot->axes[side] =
             (struct axis){.logarithmic = logarithmic, .low = begin, .high = -begin, .stride = 1};
     }
-    for (int s = 0; s < plot->chart->n; s++)
-        stretch_axes(plot, &plot->chart->series[s]);
+    for (int s = 0; s < plot->chart->n; s++) {
+        const struct chart_series *series = &plot->chart->series[s];
+        for (int i = 0; i < series->n; i++)
+            if (is_drawn(plot, series, i)) {
+                stretch(&plot->axes[ACROSS], series->x[i]);
+                stretch(&plot->axes[side_of(series)], series->y[i]);
+            }
+    }
     for (int side = 0; side < SIDES; side++) {
         struct axis *axis = &plot->axes[side];
         if (axis->low > axis->high) /* there are no values */
@@ -157,14 +152,11 @@ static double part_of(const struct axis *axis, double value)
     return (on_scale(axis, value) - first) / (last - first);
 }
 
-static double x_at(const struct plot *plot, double value)
+/* Returns the place of a value along its axis. */
+static double place_of(const struct plot *plot, enum side side, double value)
 {
-    return LEFT + (RIGHT - LEFT) * part_of(&plot->axes[ACROSS], value);
-}
-
-static double y_at(const struct plot *plot, enum side side, double value)
-{
-    return BOTTOM - (BOTTOM - TOP) * part_of(&plot->axes[side], value);
+    const double part = part_of(&plot->axes[side], value);
+    return side == ACROSS ? LEFT + (RIGHT - LEFT) * part : BOTTOM - (BOTTOM - TOP) * part;
 }
 
 /* Draws grid lines, but short ones from the axis on the right; labels, and the title of the axis.
@@ -179,11 +171,11 @@ static void draw_axis(const struct plot *plot, enum side side, const char *title
                        {"start", 8, 4, -5, 0, WIDTH - 14, (TOP + BOTTOM) / 2, -90}};
     const struct axis *axis = &plot->axes[side];
     for (long tick = axis->first; tick <= axis->last; tick++) {
-        const double value = tick_value(axis, tick),
-                     x = side == ACROSS    ? x_at(plot, value)
+        const double value = tick_value(axis, tick), at = place_of(plot, side, value),
+                     x = side == ACROSS    ? at
                          : side == ON_LEFT ? LEFT
                                            : RIGHT,
-                     y = side == ACROSS ? BOTTOM : y_at(plot, side, value);
+                     y = side == ACROSS ? BOTTOM : at;
         if (tick % axis->stride == 0)
             print(plot->to,
                   "<path stroke=\"#ddd\" d=\"M%.2f,%.2fh%dv%d\"/>"
@@ -240,8 +232,8 @@ static void draw_path(const struct plot *plot, const struct chart_series *series
                   begins  ? 'M'
                   : steps ? 'H'
                           : 'L',
-                  x_at(plot, series->x[i]), begins || !steps ? ',' : 'V',
-                  y_at(plot, side_of(series), series->y[i]));
+                  place_of(plot, ACROSS, series->x[i]), begins || !steps ? ',' : 'V',
+                  place_of(plot, side_of(series), series->y[i]));
         }
     print_text(plot->to, "\"/>");
 }
@@ -260,7 +252,8 @@ static void draw_series(const struct plot *plot, int index)
         const bool alone = !is_drawn(plot, series, i - 1) && !is_drawn(plot, series, i + 1);
         if (!is_drawn(plot, series, i) || (looks[series->kind].radius == 0 && !alone))
             continue;
-        const double x = x_at(plot, series->x[i]), y = y_at(plot, side_of(series), series->y[i]);
+        const double x = place_of(plot, ACROSS, series->x[i]),
+                     y = place_of(plot, side_of(series), series->y[i]);
         draw_circle(plot, index, x, y);
         if (series->labels)
             print(plot->to,

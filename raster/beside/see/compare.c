@@ -81,27 +81,28 @@ struct bin {
     double largest;
 };
 
-static void measure_add(struct pixel_difference *to, double value, int x, int y)
+static void peak_add(struct peak *to, struct peak peak)
+{
+    if (peak.largest > to->largest)
+        *to = peak;
+}
+
+static void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits); /* below 2^31: the value is not negative */
-    struct bin *bin = &to->bins[bits >> MANTISSA_LEFT_OUT];
+    struct bin *bin = &bins[bits >> MANTISSA_LEFT_OUT];
     bin->count++;
     bin->largest = fmax(bin->largest, value);
     to->mean += value;
-    if (value > to->largest) {
-        to->largest = value;
-        to->x = x;
-        to->y = y;
-    }
+    peak_add(&to->peak, (struct peak){value, x, y});
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
-static void measure_end(struct pixel_difference *of, uint64_t n_pixels)
+static void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels)
 {
     const uint64_t wanted = n_pixels - n_pixels / 20;
-    const struct bin *bin = of->bins;
     uint64_t so_far = bin->count;
     while (so_far < wanted)
         so_far += (++bin)->count;
@@ -151,11 +152,7 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
         const double difference = fabs(a[band] - b[band]);
         bands[band].rms += difference * difference;
         largest = fmax(largest, difference);
-        if (difference > bands[band].largest) {
-            bands[band].largest = difference;
-            bands[band].x = x;
-            bands[band].y = y;
-        }
+        peak_add(&bands[band].peak, (struct peak){difference, x, y});
     }
     return largest;
 }
@@ -194,10 +191,10 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 static void compare_row(void *context, int row)
 {
     struct comparison *of = context;
-    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width, all = of->n_bands;
-    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)all;
-    double *a = of->spectra + (size_t)row * 2 * (size_t)all, *b = a + all;
-    memset(bands, 0, (size_t)all * sizeof *bands);
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
+    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
+    double *a = of->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
+    memset(bands, 0, (size_t)n * sizeof *bands);
     of->largest_a[row] = 0;
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
@@ -207,9 +204,6 @@ static void compare_row(void *context, int row)
             of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
-        camera_add(&of->camera, a, n);
-        camera_add(&of->camera, b, n);
-        compare_bands(a + n, b + n, of->camera.detector.n, x, of->a.first + row, bands + n);
         memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
             of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
@@ -221,18 +215,17 @@ static void compare_row(void *context, int row)
 
 static void add_row(struct comparison *of, int row)
 {
-    const int n = of->n_bands, width = of->a.cube.image.width;
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
     const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
     for (int band = 0; band < n; band++) {
-        const double sum = of->bands[band].rms + bands[band].rms;
-        if (bands[band].largest > of->bands[band].largest)
-            of->bands[band] = bands[band];
-        of->bands[band].rms = sum;
+        peak_add(&of->bands[band].peak, bands[band].peak);
+        of->bands[band].rms += bands[band].rms;
     }
     of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
     for (int x = 0; x < width; x++)
         for (int i = 0; i < PIXEL_MEASURES; i++)
-            measure_add(&of->pixels[i], of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
+            measure_add(&of->pixels[i], of->bins + i * N_BINS,
+                        of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
                         of->a.first + row);
 }
 
@@ -242,18 +235,17 @@ static void conclude(struct comparison *of)
     const struct image *image = &of->a.cube.image;
     const uint64_t n_pixels = (uint64_t)image->width * (uint64_t)image->height;
     double sum = 0;
-    for (int band = 0; band < of->n_bands; band++) {
-        const bool is_page = band < image->n_pages;
-        if (is_page && of->bands[band].largest > of->all.largest) {
+    for (int band = 0; band < image->n_pages; band++) {
+        if (of->bands[band].peak.largest > of->all.peak.largest) {
             of->all = of->bands[band];
             of->largest_band = band;
         }
-        sum += is_page ? of->bands[band].rms : 0;
+        sum += of->bands[band].rms;
         of->bands[band].rms = sqrt(of->bands[band].rms / (double)n_pixels);
     }
     of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
     for (int i = 0; i < PIXEL_MEASURES; i++)
-        measure_end(&of->pixels[i], n_pixels);
+        measure_end(&of->pixels[i], of->bins + i * N_BINS, n_pixels);
 }
 
 static bool compare_rows(struct comparison *of, struct error *err)
@@ -261,7 +253,7 @@ static bool compare_rows(struct comparison *of, struct error *err)
     for (int y = 0; y < of->a.cube.image.height; y += of->a.most) {
         if (!rows_read(&of->a, y, err) || !rows_read(&of->b, y, err))
             return false;
-        threads_each(threads_count(of->threads), of->a.n, compare_row, of);
+        threads_each(threads_count(of->options->threads), of->a.n, compare_row, of);
         for (int row = 0; row < of->a.n; row++)
             add_row(of, row);
         if (of->map && !picture_write(&of->picture, of->samples, of->a.n, err))
@@ -326,36 +318,14 @@ static bool allocate(struct comparison *of, struct error *err)
 {
     if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
         return false;
-    const size_t n = (size_t)of->n_bands, rows = (size_t)of->a.most;
-    for (int i = 0; i < PIXEL_MEASURES; i++)
-        if (!MAKE_ARRAY(of->pixels[i].bins, N_BINS, err, "a distribution of differences"))
-            return false;
-    return MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
+    const size_t n = (size_t)of->a.cube.image.n_pages, rows = (size_t)of->a.most;
+    return MAKE_ARRAY(of->bins, PIXEL_MEASURES * N_BINS, err, "a distribution of differences") &&
+           MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
            MAKE_ARRAY(of->spectra, 2 * n * rows, err, "rows of two stacks") &&
            MAKE_ARRAY(of->row_bands, n * rows, err, "sums of rows") &&
            MAKE_ARRAY(of->largest_a, rows, err, "sums of rows") &&
            MAKE_ARRAY(of->measures, of->a.stride, err, "differences of rows") &&
            MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
-}
-
-/* Finds how the detector sees the stacks: an observer by colours, a camera by its channels, while
- * cie1931 sees the colours. */
-static bool find_eyes(struct comparison *of, const struct white_request *white, struct error *err)
-{
-    const struct cube *cube = &of->a.cube;
-    if (!camera_open(cube, of->observer, &of->camera, err))
-        return false;
-    of->n_bands = cube->image.n_pages + of->camera.detector.n;
-    of->observer = of->camera.detector.n > 0 ? "cie1931" : of->observer;
-    return sight_make(cube, of->observer, white, &of->sight, err);
-}
-
-static bool prepare(struct comparison *of, struct error *err)
-{
-    const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
-    return check_samplings(&of->a.cube, &of->b.cube, err) &&
-           check_sizes(&of->a.cube.image, &of->b.cube.image, err) && find_eyes(of, &white, err) &&
-           allocate(of, err);
 }
 
 static bool open_map(struct comparison *of, struct error *err)
@@ -387,21 +357,26 @@ static bool open_map(struct comparison *of, struct error *err)
 
 /* ---- the comparison ---- */
 
-bool compare(const char *a, const char *b, struct comparison *of, struct error *err)
+bool compare(struct comparison *of, struct error *err)
 {
-    return cube_open(a, &of->a.cube, err) && cube_open(b, &of->b.cube, err) && prepare(of, err) &&
+    struct options *options = of->options;
+    const struct white_request white = {options->white, of->tolerance.unit >= TOLERANCE_CIE76};
+    struct cube *a = &of->a.cube, *b = &of->b.cube;
+    return cube_open(options->operands[0], a, err) && cube_open(options->operands[1], b, err) &&
+           check_samplings(a, b, err) && check_sizes(&a->image, &b->image, err) &&
+           sight_make(a, options_detector(options), &white, &of->sight, err) && allocate(of, err) &&
            (!of->map || open_map(of, err)) && compare_rows(of, err) &&
-           (!of->map || picture_commit(&of->picture, of->outputs, err));
+           (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }
 
 bool comparison_is_within(const struct comparison *of)
 {
     const struct tolerance *tolerance = &of->tolerance;
     if (tolerance->unit >= TOLERANCE_CIE76)
-        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].largest <=
+        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].peak.largest <=
                tolerance->value;
     const double unit = tolerance->unit == TOLERANCE_PERCENT ? of->largest_radiance / 100 : 1;
-    return of->all.largest <= tolerance->value * unit;
+    return of->all.peak.largest <= tolerance->value * unit;
 }
 
 void comparison_free(struct comparison *of)
@@ -409,9 +384,7 @@ void comparison_free(struct comparison *of)
     rows_close(&of->a);
     rows_close(&of->b);
     sight_free(&of->sight);
-    camera_close(&of->camera);
     picture_discard(&of->picture); /* a committed picture stays */
-    for (int i = 0; i < PIXEL_MEASURES; i++)
-        free(of->pixels[i].bins);
-    FREE_ALL(of->bands, of->spectra, of->row_bands, of->largest_a, of->measures, of->samples);
+    FREE_ALL(of->bins, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
+             of->samples);
 }

@@ -15,10 +15,10 @@ static bool accepts_tolerance(const char *option, const char *value, struct erro
 
 /* ---- in words ---- */
 
-static const char *name_of_pixel(double largest, int x, int y, char out[32])
+static const char *name_of_pixel(const struct peak *peak, char out[32])
 {
-    snprintf(out, 32, "%d,%d", x, y);
-    return largest > 0 ? out : "none";
+    snprintf(out, 32, "%d,%d", peak->x, peak->y);
+    return peak->largest > 0 ? out : "none";
 }
 
 static void print_bands(const struct comparison *of, struct printed *to)
@@ -29,7 +29,7 @@ static void print_bands(const struct comparison *of, struct printed *to)
     for (int i = 0; i < of->a.cube.image.n_pages; i++) {
         const struct band_difference *band = &of->bands[i];
         print(to, "%-17.10g %-12.6g %-11s %.6g\n", of->a.cube.image.wavelengths_nm[i],
-              band->largest, name_of_pixel(band->largest, band->x, band->y, pixel), band->rms);
+              band->peak.largest, name_of_pixel(&band->peak, pixel), band->rms);
     }
 }
 
@@ -42,20 +42,9 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
         const struct pixel_difference *found = &of->pixels[i];
         print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
-              names[i], found->mean, found->quantile_95, found->largest,
-              name_of_pixel(found->largest, found->x, found->y, pixel));
+              names[i], found->mean, found->quantile_95, found->peak.largest,
+              name_of_pixel(&found->peak, pixel));
     }
-}
-
-/* Prints the differences of a camera's channels. */
-static void print_channels(const struct comparison *of, struct printed *to)
-{
-    const struct band_difference *channel = of->bands + of->a.cube.image.n_pages;
-    char pixel[32];
-    for (int i = 0; i < of->camera.detector.n; i++, channel++)
-        print(to, "%-17s %.6g (largest, at pixel %s), %.6g (RMS)\n", of->camera.detector.channel[i],
-              channel->largest, name_of_pixel(channel->largest, channel->x, channel->y, pixel),
-              channel->rms);
 }
 
 static void print_map(const struct comparison *of, struct printed *to)
@@ -79,24 +68,23 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     const char *unit = components ? "" : cube_unit(&of->a.cube), *blank = components ? "" : " ";
     const struct band_difference *all = &of->all;
     char pixel[32];
-    if (all->largest > 0)
+    if (all->peak.largest > 0)
         print(to, "result            the stacks differ, %s the tolerance of %s\n",
               comparison_is_within(of) ? "within" : "by more than", tolerance);
     else
         print_fact(to, "result", "the stacks are equal");
     print(to, "stacks            %d x %d pixels, %d %s\n", image->width, image->height,
           image->n_pages, components ? "components" : "wavelengths");
-    print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->largest, blank, unit,
-          components ? "component " : "", image->wavelengths_nm[of->largest_band],
-          components ? "" : " nm", name_of_pixel(all->largest, all->x, all->y, pixel));
+    print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->peak.largest, blank,
+          unit, components ? "component " : "", image->wavelengths_nm[of->largest_band],
+          components ? "" : " nm", name_of_pixel(&all->peak, pixel));
     print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
     print_pixels(of, to);
-    print_channels(of, to);
     if (of->sight.has_white) {
-        print_fact(to, "observer", of->observer);
+        print_fact(to, "observer", options_detector(of->options));
         print_white(to, of->sight.white, true,
-                    of->white ? of->white : "recorded by the first stack");
+                    of->options->white ? of->options->white : "recorded by the first stack");
     } else
         print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     print_map(of, to);
@@ -104,11 +92,16 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
 
 /* ---- as JSON ---- */
 
+static void json_peak(struct json *json, const struct peak *peak)
+{
+    json_number(json, "largest", peak->largest);
+    json_count(json, "x", (uint64_t)peak->x);
+    json_count(json, "y", (uint64_t)peak->y);
+}
+
 static void json_band(struct json *json, const struct band_difference *band)
 {
-    json_number(json, "largest", band->largest);
-    json_count(json, "x", (uint64_t)band->x);
-    json_count(json, "y", (uint64_t)band->y);
+    json_peak(json, &band->peak);
     json_number(json, "rms", band->rms);
 }
 
@@ -117,9 +110,7 @@ static void json_pixels(struct json *json, const char *name, const struct pixel_
     json_open(json, name, '{');
     json_number(json, "mean", found->mean);
     json_number(json, "quantile_95", found->quantile_95);
-    json_number(json, "largest", found->largest);
-    json_count(json, "x", (uint64_t)found->x);
-    json_count(json, "y", (uint64_t)found->y);
+    json_peak(json, &found->peak);
     json_close(json, '}');
 }
 
@@ -136,7 +127,7 @@ static bool write_json(struct options *options, const struct comparison *of, str
                  image->n_pages);
     json_band(&json, &of->all);
     json_number(&json, "largest_of_A", of->largest_radiance);
-    json_string(&json, "observer", of->sight.has_white ? of->observer : NULL);
+    json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
     for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
@@ -146,52 +137,32 @@ static bool write_json(struct options *options, const struct comparison *of, str
         json_close(&json, '}');
     }
     json_close(&json, ']');
-    json_open(&json, "channels", '[');
-    for (int i = 0; i < of->camera.detector.n; i++) {
-        json_open(&json, NULL, '{');
-        json_string(&json, "name", of->camera.detector.channel[i]);
-        json_band(&json, &of->bands[image->n_pages + i]);
-        json_close(&json, '}');
-    }
-    json_close(&json, ']');
     return json_write(&json, options->json, &options->outputs, err);
 }
 
 /* ---- the command ---- */
 
-/* Writes the differences as JSON, if that is wanted, and prints them. */
-static bool report(struct options *options, const struct comparison *of, struct error *err)
-{
-    const struct compare_own *own = options->own;
-    struct printed printed = {.text = NULL};
-    if (options->json && !write_json(options, of, err))
-        return false;
-    if (!options->quiet) {
-        print_comparison(of, own->tolerance ? own->tolerance : "0", &printed);
-        if (options->verbose)
-            print_bands(of, &printed);
-    }
-    return printed_show(&printed, options_table(options, own->map), err);
-}
-
 static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
-    struct comparison comparison = {.observer = options_detector(options),
-                                    .white = options->white,
-                                    .map = own->map,
-                                    .threads = options->threads,
-                                    .outputs = &options->outputs};
+    struct comparison comparison = {.options = options, .map = own->map};
+    struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    const bool done = (!own->tolerance ||
-                       tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
-                      (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-                      scene_refuse(b, err) && compare(a, b, &comparison, err) &&
-                      report(options, &comparison, err) &&
-                      (comparison_is_within(&comparison) ||
-                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
+    bool done = (!own->tolerance ||
+                 tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
+                (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
+                scene_refuse(b, err) && compare(&comparison, err) &&
+                (!options->json || write_json(options, &comparison, err));
+    if (done && !options->quiet) {
+        print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);
+        if (options->verbose)
+            print_bands(&comparison, &printed);
+    }
+    done = printed_show(&printed, options_table(options, own->map), err) && done &&
+           (comparison_is_within(&comparison) ||
+            error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }

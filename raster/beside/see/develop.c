@@ -1,74 +1,181 @@
 /* SPDX-License-Identifier: MIT */
-/* Develops a spectral stack: three weights a page make pixels of pages. */
+/* Develops a spectral stack: three weights a page make pixels of pages. A stack is read in chunks
+ * of rows, a few pages at a time. Each pixel is summed in the order of the pages, so that chunks
+ * and threads do not change its bits. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "raster/beside/see/inside.h"
 
-enum { BLOCK_PIXELS = 1 << 13 }; /* that a thread takes at a time */
+enum {
+    BATCH = 8,              /* pages that are read before they are added up */
+    CHUNK_BYTES = 56 << 21, /* at most, or one row */
+    BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
+};
 
-static size_t sample_bytes(const struct development *of)
+/* ---- sums of weighted pages ---- */
+
+static bool make_room(struct development *of, struct error *err)
 {
-    return of->options->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->options->bits / 8;
+    const struct image *image = &of->cube.image;
+    const size_t n = (size_t)of->sight.detector.n,
+                 pixel = BATCH * sizeof(float) + n * sizeof(double);
+    const int rows = (int)(CHUNK_BYTES / pixel / (size_t)image->width);
+    of->most = rows < 1 ? 1 : rows < image->height ? rows : image->height;
+    of->stride = (size_t)of->most * (size_t)image->width;
+    of->threads = threads_count(of->threads);
+    return (of->lit ||
+            MAKE_ARRAY(of->radiance, BATCH * of->stride, err, "rows of %s", image->path)) &&
+           MAKE_ARRAY(of->sums, n * of->stride, err, "rows of the picture") &&
+           (memory_make(&of->samples, n * of->stride, (size_t)of->bits / 8) ||
+            memory_lacks(err, (double)(n * of->stride) * of->bits / 8, "rows of the picture"));
+}
+
+/* Pages that are added to a chunk, from the first one on. */
+struct batch {
+    const struct development *of;
+    int first;
+};
+
+/* Adds them to some pixels, page after page. Pages missing in the last batch have weight 0. */
+static void add_pixels(void *context, size_t first, size_t end)
+{
+    const struct batch *batch = context;
+    const struct development *of = batch->of;
+    const int n_pages = of->cube.image.n_pages;
+    const float *restrict radiance = of->radiance;
+    for (int channel = 0; channel < of->sight.detector.n; channel++) {
+        double *restrict sums = of->sums + (size_t)channel * of->stride;
+        double weights[BATCH] = {0};
+        for (int page = 0; page < BATCH && batch->first + page < n_pages; page++)
+            weights[page] = of->sight.weights[channel * n_pages + batch->first + page];
+        for (size_t i = first; i < end; i++) {
+            double sum = sums[i];
+            for (size_t page = 0; page < BATCH; page++)
+                sum += weights[page] * (double)radiance[page * of->stride + i];
+            sums[i] = sum;
+        }
+    }
+}
+
+/* Adds a band of some rows of a scene. */
+static void add_band(void *context, const struct drawn_band *drawn)
+{
+    const struct development *of = context;
+    const struct rectangle *at = &drawn->pixels;
+    const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
+    const float *radiance = drawn->radiance;
+    for (int y = 0; y < at->height; y++, radiance += at->width)
+        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+            const double weight = of->sight.weights[channel * n_pages + drawn->band];
+            double *sums = of->sums + (size_t)channel * of->stride +
+                           (size_t)(at->y + y - of->first) * (size_t)width + at->x;
+            for (int x = 0; x < at->width; x++)
+                sums[x] += weight * (double)radiance[x];
+        }
+}
+
+/* Finds the channels of the rows from y on, of a chunk at most. */
+static bool sum_rows(struct development *of, int y, struct error *err)
+{
+    struct image *image = &of->cube.image;
+    const struct rectangle at = {0, y, image->width,
+                                 of->most < image->height - y ? of->most : image->height - y};
+    struct radiances scene = {of->threads, add_band, of};
+    struct batch batch = {.of = of};
+    memset(of->sums, 0, (size_t)of->sight.detector.n * of->stride * sizeof *of->sums);
+    of->first = y;
+    of->n = (size_t)at.width * (size_t)at.height;
+    if (of->lit)
+        return radiances_each(of->lit, &at, &scene, err);
+    for (int page = 0; page < image->n_pages; page++) {
+        batch.first = page / BATCH * BATCH;
+        if (!image_read(image, page, y, at.height,
+                        of->radiance + (size_t)(page - batch.first) * of->stride, err))
+            return false;
+        if (page - batch.first == BATCH - 1 || page == image->n_pages - 1)
+            threads_blocks(of->threads, of->n, BLOCK_PIXELS, add_pixels, &batch);
+    }
+    return true;
 }
 
 /* ---- exposure ---- */
 
-/* Finds the exposure that brings the brightest channel of all pixels (or Y) to the largest that is
- * displayed (or 100). A black picture has exposure 1. */
+/* Returns to what an automatic exposure brings the largest value of a channel: the largest that is
+ * displayed, a Y of 100, or a raw value of 1. X and Z do not count. */
+static double largest_wanted(const struct development *of, int channel)
+{
+    if (of->values == DEVELOP_RGB)
+        return display_largest(of->display, channel);
+    return of->values == DEVELOP_RAW ? 1 : channel == 1 ? 100 : HUGE_VAL;
+}
+
+/* Finds the exposure, and the full scale of raw counts, if they follow from the pixels. A black
+ * picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
-    const bool rgb = of->options->values == DEVELOP_RGB;
+    const bool counts = of->values == DEVELOP_RAW && of->bits == 16;
     double brightest = 0; /* in parts of the largest */
-    for (int y = 0; y < of->cube.image.height; y += of->sums.most) {
-        if (!sums_find(&of->sums, y, err))
+    if (!of->automatic && !counts)
+        return true;
+    for (int y = 0; y < of->cube.image.height; y += of->most) {
+        if (!sum_rows(of, y, err))
             return false;
-        for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
-            brightest =
-                fmax(brightest, sums_largest(&of->sums, channel) /
-                                    (rgb ? display_largest(of->options->display, channel) : 100));
+        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+            const double *sums = of->sums + (size_t)channel * of->stride;
+            double largest = 0;
+            for (size_t i = 0; i < of->n; i++)
+                largest = sums[i] > largest ? sums[i] : largest;
+            brightest = fmax(brightest, largest / largest_wanted(of, channel));
+        }
     }
-    of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    if (of->automatic)
+        of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    if (counts && brightest > 0)
+        of->full_scale = of->exposure * brightest;
     return true;
 }
 
 /* ---- pixels ---- */
 
-/* A value beyond the largest float becomes that float. */
-static float stored(double value)
+/* Stores a pixel on pages, as floats or as counts of the full scale. A value beyond the largest, or
+ * below the least, becomes that. Returns how many values are below 0. */
+static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
-    return (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
-}
-
-static void store_floats(const struct development *of, size_t pixel, const double values[3])
-{
-    float *samples = of->samples;
-    double lab[3];
-    if (of->options->values == DEVELOP_LAB)
-        cielab(values, of->adapted_white, lab);
-    for (int channel = 0; channel < 3; channel++)
-        samples[(size_t)channel * of->sums.n + pixel] =
-            stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+    uint64_t below_0 = 0;
+    for (size_t channel = 0; channel < (size_t)of->sight.detector.n; channel++) {
+        const double value = values[channel], count = floor(65535 * value / of->full_scale + 0.5);
+        const size_t at = channel * of->n + pixel;
+        below_0 += value < 0;
+        if (of->bits == 32)
+            ((float *)of->samples)[at] =
+                (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
+        else
+            ((uint16_t *)of->samples)[at] = (uint16_t)fmax(0, fmin(count, 65535));
+    }
+    return below_0;
 }
 
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
-    const double exposure = of->exposure;
-    const bool rgb = of->options->values == DEVELOP_RGB;
+    const size_t n_channels = (size_t)of->sight.detector.n;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
-        double values[3];
-        for (size_t channel = 0; channel < 3; channel++)
-            values[channel] = exposure * of->sums.sums[channel * of->sums.stride + i];
-        if (rgb)
-            clipped += display_store(of->options->display, of->options->bits, values,
-                                     (char *)of->samples + 3 * i * sample_bytes(of));
+        double values[MOST_CHANNELS];
+        for (size_t channel = 0; channel < n_channels; channel++)
+            values[channel] = of->exposure * of->sums[channel * of->stride + i];
+        if (of->values == DEVELOP_LAB)
+            cielab(values, of->adapted_white, values);
+        if (of->values == DEVELOP_RGB)
+            clipped += display_store(of->display, of->bits, values,
+                                     (char *)of->samples + 3 * i * (size_t)of->bits / 8);
         else
-            store_floats(of, i, values);
+            clipped += store_channels(of, i, values);
     }
-    counter_add(&of->out_of_gamut, clipped);
+    counter_add(&of->clipped, clipped);
 }
 
 /* ---- the picture ---- */
@@ -88,42 +195,46 @@ void develop_print_settings(const struct development *of, struct printed *to)
 {
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
-    print(to, "detector          %s (%s)\n", of->options->detector_name,
-          of->detector.observer ? "observer" : "camera or film, balanced to the white");
-    if (!of->detector.named)
-        print(to, "channels          %s, %s, %s as red, green, blue\n", of->detector.channel[0],
-              of->detector.channel[1], of->detector.channel[2]);
-    if (of->sampled[0] != '\0')
-        print_fact(to, "sampling", of->sampled);
-    if (of->has_white)
-        print_white(to, of->seen_white, of->detector.observer,
-                    of->options->white ? of->options->white : "recorded");
+    const struct record *record = &of->cube.record;
+    print(to, "detector          %s (%s)\n", of->detector_name,
+          of->sight.detector.observer ? "observer" : "camera or film, balanced to the white");
+    if (!of->sight.detector.named)
+        print(to, "channels          %s, %s, %s as red, green, blue\n",
+              of->sight.detector.channel[0], of->sight.detector.channel[1],
+              of->sight.detector.channel[2]);
+    if (record->sampling) {
+        print_text(to, "sampling          ");
+        print_printable(to, record->sampling);
+        print_text(to, " for ");
+        print_printable(to, record->sampling_detector);
+        print_text(to, " (recorded)\n");
+    }
+    if (of->sight.has_white)
+        print_white(to, of->sight.white, of->sight.detector.observer,
+                    of->white ? of->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
     print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
-    print(to, "\nvalues            %s%s", values[of->options->values],
-          of->cube.record.unit && of->options->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
-    if (of->options->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", of->options->bits,
-              display_names[of->options->display]);
-    print(to, "\nexposure          %.10g%s\n", of->exposure,
-          of->options->automatic ? " (auto)" : "");
+    print(to, "\nvalues            %s%s", values[of->values],
+          record->unit && of->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
+    if (of->values == DEVELOP_RGB)
+        print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
+    print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
 }
 
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
                          struct error *err)
 {
-    const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
-    unsigned char profile[LARGEST_PROFILE];
+    const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
+    const struct builtin_file *profile = display_profile(of->display);
     struct printed printed = {.text = NULL};
-    if (of->options->lit)
+    if (of->lit)
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
               "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, of->options->detector_name, display_names[of->options->display],
-              of->exposure);
+              of->cube.image.path, of->detector_name, display_names[of->display], of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -133,53 +244,99 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->cube.image.width,
         .height = of->cube.image.height,
-        .bits = rgb ? of->options->bits : 32,
+        .bits = of->bits,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
-        .srgb = rgb && of->options->display == DISPLAY_SRGB,
-        .profile = rgb ? profile : NULL,
-        .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
+        .srgb = rgb && of->display == DISPLAY_SRGB,
+        .profile = rgb ? profile->bytes : NULL,
+        .profile_length = profile->length,
         .description = text,
-        .memory = of->options->memory};
+        .memory = of->memory};
     const bool done = text && picture_open(out, path, &options, err);
     free(text);
     return done;
 }
 
+/* ---- the pages of raw values ---- */
+
+const char *raw_unit(const struct development *of)
+{
+    return !of->cube.record.unit         ? "W sr-1 m-2 (relative)"
+           : of->sight.detector.observer ? "cd m-2"
+                                         : "W sr-1 m-2";
+}
+
+static bool open_raw(const struct development *of, const char *path, struct stack_writer *out,
+                     struct error *err)
+{
+    struct printed made = {.text = NULL};
+    print(&made, "program: " PROGRAM "\nraw values of: ");
+    print_printable(&made, of->cube.image.path);
+    print_text(&made, "\ndetector: ");
+    print_printable(&made, of->sight.detector.name);
+    print(&made, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
+          raw_unit(of));
+    char *text = printed_take(&made, err);
+    const struct stack_options options = {.width = of->cube.image.width,
+                                          .height = of->cube.image.height,
+                                          .n_wavelengths = of->sight.detector.n,
+                                          .names = (const char *const *)of->sight.detector.channel,
+                                          .unit = raw_unit(of),
+                                          .full_scale = of->full_scale,
+                                          .bits = of->bits,
+                                          .scene = of->cube.image.path,
+                                          .provenance = text};
+    const bool done = text && stack_open(out, path, &options, err);
+    free(text);
+    return done;
+}
+
+/* Writes the rows at hand. */
+static bool put_raw(const struct development *of, struct stack_writer *writer, struct error *err)
+{
+    const int width = of->cube.image.width;
+    struct page_rectangle to = {0, 0, of->first, width, (int)of->n / width};
+    const size_t page = of->n * (size_t)of->bits / 8;
+    for (; to.page < of->sight.detector.n; to.page++)
+        if (!pages_write(&writer->pages, &to, (char *)of->samples + (size_t)to.page * page, err))
+            return false;
+    return true;
+}
+
+/* ---- the file ---- */
+
 static bool write_picture(struct development *of, const char *path, struct error *err)
 {
-    const int width = of->cube.image.width, height = of->cube.image.height;
-    struct picture_writer writer;
-    bool done = open_picture(of, path, &writer, err);
+    const bool is_raw = of->values == DEVELOP_RAW;
+    const int width = of->cube.image.width;
+    struct picture_writer picture;
+    struct stack_writer raw;
+    bool done = is_raw ? open_raw(of, path, &raw, err) : open_picture(of, path, &picture, err);
     if (!done)
         return false;
-    for (int y = 0; done && y < height; y += of->sums.most) {
-        done = sums_find(&of->sums, y, err);
-        threads_blocks(of->sums.threads, of->sums.n, BLOCK_PIXELS, store_pixels, of);
-        done = done && picture_write(&writer, of->samples, (int)of->sums.n / width, err);
+    for (int y = 0; done && y < of->cube.image.height; y += of->most) {
+        done = sum_rows(of, y, err);
+        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        done = done && (is_raw ? put_raw(of, &raw, err)
+                               : picture_write(&picture, of->samples, (int)of->n / width, err));
     }
-    done = done && picture_commit(&writer, of->options->outputs, err);
-    picture_discard(&writer);
+    if (is_raw) {
+        done = done && stack_finish(&raw, "raw values have no check of their own", err) &&
+               output_pass(&raw.pages.output, of->outputs, err);
+        stack_discard(&raw);
+    } else {
+        done = done && picture_commit(&picture, of->outputs, err);
+        picture_discard(&picture);
+    }
     return done;
 }
 
 /* Writes the picture of the cube, which is open. */
 static bool develop_cube(struct development *of, const char *path, struct error *err)
 {
-    struct channel_sums *sums = &of->sums;
-    of->out_of_gamut = (struct counter)COUNTER;
-    of->exposure = of->options->exposure;
-    of->adaptation = of->options->adaptation;
-    if (!develop_weights(of, err))
-        return false;
-    *sums = (struct channel_sums){.cube = &of->cube,
-                                  .lit = of->options->lit,
-                                  .weights = of->weights,
-                                  .n_channels = 3,
-                                  .threads = of->options->threads};
-    return sums_allocate(sums, err) &&
-           (memory_make(&of->samples, 3 * sums->stride, sample_bytes(of)) ||
-            memory_lacks(err, 12 * (double)sums->stride, "rows of the picture")) &&
-           (!of->options->automatic || find_exposure(of, err)) && write_picture(of, path, err);
+    of->clipped = (struct counter)COUNTER;
+    of->full_scale = 1;
+    return develop_weights(of, err) && make_room(of, err) && find_exposure(of, err) &&
+           write_picture(of, path, err);
 }
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
@@ -205,20 +362,18 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
 
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
 {
-    const struct development_options options = {
-        .detector_name = picture->detector ? picture->detector : "cie1931",
-        .display = DISPLAY_SRGB,
-        .bits = 8,
-        .threads = lit->plan->options.threads,
-        .exposure = 1,
-        .automatic = picture->automatic,
-        .outputs = picture->outputs,
-        .memory = picture->memory,
-        .lit = lit};
-    struct development of = {.options = &options};
+    struct development of = {.detector_name = picture->detector ? picture->detector : "cie1931",
+                             .display = DISPLAY_SRGB,
+                             .bits = 8,
+                             .threads = lit->plan->options.threads,
+                             .exposure = 1,
+                             .automatic = picture->automatic,
+                             .outputs = picture->outputs,
+                             .memory = picture->memory,
+                             .lit = lit};
     const bool done =
         scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, picture->output, err);
-    picture->out_of_gamut = of.out_of_gamut.n;
+    picture->out_of_gamut = of.clipped.n;
     free(of.cube.record.white.value);
     of.cube = (struct cube){.components = false}; /* the scene owns the rest */
     develop_free(&of);
@@ -228,7 +383,6 @@ bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, s
 void develop_free(struct development *of)
 {
     cube_close(&of->cube);
-    detector_free(&of->detector);
-    sums_free(&of->sums);
-    FREE_ALL(of->weights, of->of_white, of->samples);
+    sight_free(&of->sight);
+    FREE_ALL(of->radiance, of->sums, of->samples);
 }

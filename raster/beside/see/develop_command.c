@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral develop: the colour picture of a stack. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "raster/beside/see/inside.h"
@@ -12,44 +13,45 @@ struct develop_own {
 };
 
 /* Reads the value of one of the options below. */
-static bool read_value(const char *option, const char *value, struct development_options *out,
+static bool read_value(const char *option, const char *value, struct development *out,
                        struct error *err)
 {
     if (strcmp(option, "--adaptation") == 0)
         return adaptation_read(option, value, &out->adaptation, err);
-    if (strcmp(option, "--display") == 0)
-        return display_read(option, value, &out->display, err);
     out->automatic = strcmp(value, "auto") == 0;
     return out->automatic || option_number(option, value, 1e-12, 1e12, &out->exposure, err);
 }
 
 static bool accepts(const char *option, const char *value, struct error *err)
 {
-    struct development_options ignored;
+    struct development ignored;
     return read_value(option, value, &ignored, err);
 }
 
-/* Stores the sampling method in *method; out->sampling points to it. */
-static bool read_options(struct options *options, struct sampling_method *method,
-                         struct development_options *out, struct error *err)
+static bool read_options(struct options *options, struct development *out, struct error *err)
 {
     const struct develop_own *own = options->own;
-    *out = (struct development_options){.detector_name = options_detector(options),
-                                        .white = options->white,
-                                        .exposure = 1,
-                                        .values = own->xyz   ? DEVELOP_XYZ
-                                                  : own->lab ? DEVELOP_LAB
-                                                             : DEVELOP_RGB,
-                                        .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
-                                        .threads = options->threads,
-                                        .outputs = &options->outputs,
-                                        .sampling = options->sampling ? method : NULL};
+    *out = (struct development){.detector_name = options_detector(options),
+                                .white = options->white,
+                                .exposure = 1,
+                                .display = own->display && strcmp(own->display, "monitor") == 0
+                                               ? DISPLAY_MONITOR
+                                               : DISPLAY_SRGB,
+                                .values = own->raw   ? DEVELOP_RAW
+                                          : own->xyz ? DEVELOP_XYZ
+                                          : own->lab ? DEVELOP_LAB
+                                                     : DEVELOP_RGB,
+                                .bits = 8,
+                                .threads = options->threads,
+                                .outputs = &options->outputs};
+    if (out->values != DEVELOP_RGB)
+        out->bits = 32;
+    if (own->bits)
+        out->bits = (int)strtol(own->bits, NULL, 10);
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
     return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
-           (!own->display || read_value("--display", own->display, out, err)) &&
-           (!own->exposure || read_value("--exposure", own->exposure, out, err)) &&
-           (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
+           (!own->exposure || read_value("--exposure", own->exposure, out, err));
 }
 
 /* ---- in words, and as JSON ---- */
@@ -57,17 +59,35 @@ static bool read_options(struct options *options, struct sampling_method *method
 static void print_development(const struct development *of, const char *output, struct printed *to)
 {
     const struct image *image = &of->cube.image;
-    const double pixels = (double)image->width * image->height, *lost = of->lost;
+    const double pixels = (double)image->width * image->height, *lost = of->sight.lost;
     develop_print_settings(of, to);
     print(to, "%s       %d, %s %.10g to %.10g nm\n",
           of->cube.components ? "components " : "wavelengths", image->n_pages,
           of->cube.components ? "of" : "from", of->first_nm, of->last_nm);
     print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
           100 * lost[0], 100 * lost[1], 100 * lost[2]);
-    if (of->options->values == DEVELOP_RGB)
+    if (of->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
-              (unsigned long long)of->out_of_gamut.n, pixels,
-              100 * (double)of->out_of_gamut.n / pixels);
+              (unsigned long long)of->clipped.n, pixels, 100 * (double)of->clipped.n / pixels);
+    print_fact(to, "picture", output);
+}
+
+static void print_raw(const struct development *of, const char *output, struct printed *to)
+{
+    const struct detector *detector = &of->sight.detector;
+    print(to, "detector          %s (%d channel%s)\n", detector->name, detector->n,
+          detector->n == 1 ? "" : "s");
+    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts",
+          raw_unit(of));
+    if (of->bits == 16)
+        print(to, "full scale        %.10g\n", of->full_scale);
+    print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+    for (int i = 0; i < detector->n; i++)
+        print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
+              detector->channel[i], 100 * of->sight.lost[i]);
+    if (of->clipped.n > 0)
+        print(to, "below 0           %llu values%s\n", (unsigned long long)of->clipped.n,
+              of->bits == 32 ? "" : ", which become 0");
     print_fact(to, "picture", output);
 }
 
@@ -76,19 +96,19 @@ static bool write_json(struct options *options, const struct development *of, st
     static const char *const values[] = {"RGB", "XYZ", "Lab"};
     struct json json;
     json_begin(&json);
-    json_string(&json, "detector", of->options->detector_name);
-    json_truth(&json, "observer", of->detector.observer);
-    json_numbers(&json, "white", of->has_white ? of->seen_white : NULL, 3);
+    json_string(&json, "detector", of->detector_name);
+    json_truth(&json, "observer", of->sight.detector.observer);
+    json_numbers(&json, "white", of->sight.has_white ? of->sight.white : NULL, 3);
     json_string(&json, "adaptation", adaptation_names[of->adaptation.kind]);
-    json_string(&json, "values", values[of->options->values]);
+    json_string(&json, "values", values[of->values]);
     json_number(&json, "exposure", of->exposure);
     json_count(&json, "width", (uint64_t)of->cube.image.width);
     json_count(&json, "height", (uint64_t)of->cube.image.height);
     json_count(&json, "pages", (uint64_t)of->cube.image.n_pages);
     json_number(&json, "first_nm", of->first_nm);
     json_number(&json, "last_nm", of->last_nm);
-    json_numbers(&json, "unseen", of->lost, 3);
-    json_count(&json, "out_of_gamut_pixels", of->out_of_gamut.n);
+    json_numbers(&json, "unseen", of->sight.lost, 3);
+    json_count(&json, "out_of_gamut_pixels", of->values == DEVELOP_RGB ? of->clipped.n : 0);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
 }
@@ -112,44 +132,37 @@ static bool name_picture(struct options *options, const char *stack, struct erro
                     "%s writes floats, and a PNG has none; expected .tif or .tiff", floats);
 }
 
-/* Writes raw values. Refuses the options of pictures. */
-static bool run_raw(struct options *options, struct development_options *settings,
-                    struct error *err)
+/* Refuses the options of pictures beside --raw. */
+static bool check_raw(const struct options *options, struct error *err)
 {
     const struct develop_own *own = options->own;
-    const char *other = own->xyz            ? "--xyz"
-                        : own->lab          ? "--lab"
-                        : own->adaptation   ? "--adaptation"
-                        : own->display      ? "--display"
-                        : options->white    ? "--white"
-                        : options->sampling ? "--sampling"
-                        : options->json     ? "--json"
-                                            : NULL;
-    if (other)
+    const char *other = own->xyz          ? "--xyz"
+                        : own->lab        ? "--lab"
+                        : own->adaptation ? "--adaptation"
+                        : own->display    ? "--display"
+                        : options->white  ? "--white"
+                        : options->json   ? "--json"
+                                          : NULL;
+    if (own->raw && other)
         return error_usage(err, "--raw takes no %s", other);
-    settings->bits = own->bits ? settings->bits : 32;
-    if (settings->bits == 8)
-        return error_usage(err, "--raw writes floats, or counts of --bits 16");
-    return develop_raw(settings, options, err);
+    return !own->raw || !own->bits || strcmp(own->bits, "16") == 0 ||
+           error_usage(err, "--raw writes floats, or counts of --bits 16");
 }
 
 static bool run_develop(struct options *options, struct error *err)
 {
-    struct sampling_method method;
-    struct development_options settings;
-    struct development of = {.options = &settings};
+    struct development of;
     struct printed printed = {.text = NULL};
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
-    if (!name_picture(options, stack, err) || !read_options(options, &method, &settings, err))
+    if (!name_picture(options, stack, err) || !read_options(options, &of, err) ||
+        !check_raw(options, err))
         return false;
-    if (((const struct develop_own *)options->own)->raw)
-        return run_raw(options, &settings, err);
     const bool done = scene_refuse(stack, err) && develop(&of, stack, options->output, err) &&
                       (!options->json || write_json(options, &of, err));
     if (done && !options->quiet)
-        print_development(&of, options->output, &printed);
+        (of.values == DEVELOP_RAW ? print_raw : print_development)(&of, options->output, &printed);
     develop_free(&of);
     return printed_show(&printed, options_table(options, options->output), err) && done;
 }
@@ -163,7 +176,7 @@ static const struct option develop_rows[] = {
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
      OWN(TEXT, develop_own, adaptation), .accepts = accepts},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
-     OWN(TEXT, develop_own, display), .accepts = accepts},
+     OWN(TEXT, develop_own, display), .choices = display_names},
     {"--exposure FACTOR|auto",
      "a factor, or auto: nothing is brighter than the display (default: 1)",
      OWN(TEXT, develop_own, exposure), .accepts = accepts},
@@ -173,8 +186,6 @@ static const struct option develop_rows[] = {
     {"--lab", "writes float CIELAB instead of RGB", OWN(FLAG, develop_own, lab)},
     {"--raw", "writes a page for each channel of the detector, linear floats or --bits 16 counts",
      OWN(FLAG, develop_own, raw)},
-    {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)",
-     SHARED(TEXT, sampling)},
 };
 const struct command develop_command = {
     .name = "develop",

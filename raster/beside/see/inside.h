@@ -21,9 +21,13 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* ---- sight.c ---- */
 
-/* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
- * absolute; otherwise, and for a camera, 1. */
-double cube_luminance(const struct cube *cube, const struct detector *detector);
+/* Make sights likewise, in cd m-2 where radiances are absolute: of a detector of three channels,
+ * where a camera needs a white, by which it is balanced; and of any number of channels, without
+ * responses. */
+bool sight_of_picture(const struct cube *cube, const char *detector,
+                      const struct white_request *white, struct sight *out, struct error *err);
+bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
+                       struct error *err);
 
 /* ---- radiances.c ---- */
 
@@ -44,143 +48,97 @@ struct radiances {
 bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
                     struct radiances *of, struct error *err);
 
-/* ---- channel_sums.c ---- */
+/* ---- develop.c ---- */
 
-struct channel_sums {
+/* Raw values lie in a stack of one page a channel: linear, without balance, adaptation or display.
+ * The value is the sum over pages of radiance x sensitivity x width of the page in nm
+ * (detector_weights), times the exposure. */
+enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
+/* A stack that is being developed. */
+struct development {
     /* The caller sets these, and zeroes all others. */
-    struct cube *cube;
-    const struct lit_scene *lit; /* is drawn in place of the cube's pages; NULL: they are read */
-    const double *weights;       /* [channel * n_pages + page] */
-    int n_channels;
-    int threads; /* 0: one a processor; then their number */
-    /* A chunk. */
+    const char *detector_name;    /* or file */
+    const char *white;            /* SPECTRUM; NULL: what the stack records */
+    struct adaptation adaptation; /* a luminance of 0 is found */
+    enum display_kind display;
+    enum develop_values values;
+    int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
+                        of counts of the largest */
+    int threads;     /* 0: one a processor */
+    double exposure; /* factor of all radiances */
+    bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
+                        the picture to just 1 (or 100), or the largest raw value to 1 */
+    struct outputs *outputs;     /* get the picture; NULL: it appears at once */
+    struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
+    const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
+    /* The findings. */
+    struct cube cube;
+    double first_nm, last_nm; /* of pages, or of the range of components */
+    struct sight sight;       /* weights: of the display's channels, of XYZ, or of raw values */
+    double adapted_white[3];  /* to which an observer has adapted */
+    double full_scale;        /* of raw counts: the largest value with the exposure; of floats 1 */
+    struct counter clipped;   /* RGB: pixels with a channel that is clipped by more than 1e-6;
+                                 otherwise: values below 0 */
+    /* A chunk of rows. */
     int most;        /* rows */
     size_t stride;   /* of its channels: pixels of that many rows */
     int first;       /* of the rows at hand */
     size_t n;        /* pixels of the rows at hand */
     float *radiance; /* [page of those that are read together][pixel]; owned */
     double *sums;    /* [channel][pixel]; owned */
-};
-bool sums_allocate(struct channel_sums *of, struct error *err);
-/* Finds the channels of the rows from y on, of `most` at most. */
-bool sums_find(struct channel_sums *of, int y, struct error *err);
-double sums_largest(const struct channel_sums *of, int channel); /* of the rows at hand; or 0 */
-void sums_free(struct channel_sums *of);
-
-/* ---- develop.c ---- */
-
-enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
-struct development_options {
-    const char *detector_name; /* or file */
-    const char *white;         /* SPECTRUM; NULL: what the stack records */
-    struct adaptation adaptation;
-    enum display_kind display;
-    enum develop_values values;
-    int bits;        /* of RGB: 8 or 16; of raw values: 32 of floats, 16 of counts of the largest */
-    int threads;     /* 0: one a processor */
-    double exposure; /* factor of all radiances */
-    bool automatic;  /* another exposure instead: it brings the largest displayed value (or Y) of
-                        the picture to just 1 (or 100), or the largest raw value to 1 */
-    const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
-                                               before they are developed; NULL: no. Refused for
-                                               stacks that were sampled, and for basis, rgb and
-                                               xyz, which need lights and reflectances apart */
-    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
-    struct printed *memory;                 /* takes a PNG in place of a file; NULL: a file */
-    const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
-};
-/* A stack that is being developed. The caller sets the options, and zeroes all others. */
-struct development {
-    const struct development_options *options;
-    struct cube cube;
-    double exposure;              /* of the options, or found */
-    struct adaptation adaptation; /* with its luminance */
-    struct detector detector;
-    double first_nm, last_nm; /* of pages, or of the range of components */
-    char sampled[512];        /* how the spectra were sampled, in a line; "": not at all */
-    double lost[3];           /* detector_lost */
-    bool has_white;
-    double seen_white[3];    /* in the detector's channels, before adaptation */
-    double adapted_white[3]; /* to which an observer has adapted */
-    double equal[3];         /* the detector's response to a radiance of 1 everywhere */
-    double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
-    double *of_white;        /* of the white's pages, if they differ from those; owned */
-    struct counter
-        out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
-    struct channel_sums sums;
-    void *samples; /* of the rows at hand, as picture_write takes them; owned */
+    void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
 /* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
+ * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
  * after a failure. */
 bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+const char *raw_unit(const struct development *of); /* of raw values */
 /* Prints a white in a detector's channels, and where it comes from. */
 void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
 /* Prints all that decides a developed picture, except the stack. */
 void develop_print_settings(const struct development *of, struct printed *to);
 void develop_free(struct development *of);
-/* weights.c: finds the weights that take the pages of the cube to linear display channels, or to
- * XYZ (also for CIELAB), at exposure 1. Fills in all that is found but what pixels decide. Refuses
- * a detector that sees none of the wavelengths of a stack. */
+/* weights.c: finds the weights that take the pages of the cube to linear display channels, to XYZ
+ * (also for CIELAB), or to raw values, at exposure 1. Fills in all that is found but what pixels
+ * decide. Refuses a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
-
-/* ---- raw.c: raw values of a detector ---- */
-
-/* The channels of a camera or film beside the pages of a cube; an observer has none here: its
- * channels are XYZ, which are printed in any case. */
-struct camera_channels {
-    struct detector detector; /* n: their number */
-    double *weights;          /* [channel * n_pages + page]; owned */
-};
-/* Reads a camera or film. Refuses a stack whose sampling is fixed. The caller frees *out, also
- * after a failure. */
-bool camera_open(const struct cube *cube, const char *name, struct camera_channels *out,
-                 struct error *err);
-/* Puts the channels of a pixel behind its n pages. */
-void camera_add(const struct camera_channels *camera, double *spectrum, int n);
-void camera_close(struct camera_channels *camera);
-/* Reads the stack that is the operand, writes the raw values of a detector of any number of
- * channels, and prints how. */
-bool develop_raw(const struct development_options *settings, struct options *options,
-                 struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
 /* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
  * differences. A is the standard of CIE94. */
 enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
+struct peak {
+    double largest;
+    int x, y; /* the first pixel that has it */
+};
 /* A measure over all pixels. */
 struct pixel_difference {
-    double mean, largest;
+    struct peak peak;
+    double mean;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-    int x, y;           /* the pixel of the largest */
-    struct bin *bins;   /* owned */
 };
 struct band_difference {
-    double largest; /* |A - B|, in radiance */
-    int x, y;       /* the first pixel with this difference */
+    struct peak peak; /* of |A - B|, in radiance */
     double rms;
 };
 /* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
-    const char *observer, *white; /* white NULL: what A records */
-    const char *map;              /* PNG or TIFF to write; NULL: none */
+    struct options *options; /* its operands are the stacks, and its outputs get the map */
+    const char *map;         /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
-    int threads;
-    struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
     struct sight sight; /* of A; it holds for B too; without a white there are no colours */
-    struct camera_channels camera;
-    int n_bands;                   /* pages, and channels of the camera */
-    struct band_difference *bands; /* of each page, then of each channel; owned */
+    struct band_difference *bands; /* of each page; owned */
     struct band_difference all;
-    int largest_band;        /* the band that has all.largest */
+    int largest_band;        /* the band that has the peak of `all` */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
+    struct bin *bins;       /* of each measure; owned */
     enum map_measure shown; /* by the map */
     /* The rows at hand; all are owned. */
     double *spectra;                    /* [row][a, b][band]: the pixel at hand */
@@ -197,25 +155,36 @@ struct comparison {
  * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
  * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. The caller frees
  * *of, also after a failure. */
-bool compare(const char *a, const char *b, struct comparison *of, struct error *err);
+bool compare(struct comparison *of, struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */
 void comparison_print_colours(const struct comparison *of, struct printed *to);
 void comparison_free(struct comparison *of);
 
+/* ---- probe.c: tables of spectra ---- */
+
+/* A column of a table; the first one holds the wavelengths. */
+struct column {
+    char name[96];    /* e.g. "light 1 (d65)", "reflectance" */
+    const char *unit; /* NULL: none */
+    double *values;   /* one for each wavelength; NaN: there is none */
+};
+/* Writes the name of a column, with its unit. */
+enum { COLUMN_HEADING = 160 };
+void column_heading(const struct column *column, char out[COLUMN_HEADING]);
+/* Print n rows of columns: as text; as CSV, below their headings. */
+void columns_print(const struct column *columns, int n_columns, int n, struct printed *to);
+void columns_print_csv(const struct column *columns, int n_columns, int n, struct printed *to);
+
 /* ---- probe.c: the spectrum of a region ---- */
 
-/* A column of a table: the wavelengths; the radiance, and its standard deviation over the region;
- * then, of a scene, spectra that explain the radiance, e.g. that of a light. */
+/* The columns of a probe: the wavelengths; the radiance, and its standard deviation over the
+ * region; then, of a scene, spectra that explain the radiance, e.g. that of a light. Reflectances,
+ * excitations and emissions have the unit 1. */
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
-struct probe_column {
-    char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
-    bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
-    double *values; /* one for each wavelength; owned */
-};
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
+    struct rectangle at;          /* the region in pixels: not negative; sides of 1 or more */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */
@@ -223,16 +192,14 @@ struct probe {
     int n;         /* wavelengths */
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
-    bool has_white;
-    double xyz[3], of_white[3];   /* of the mean, and of the white */
-    struct probe_column *columns; /* owned */
+    struct sight sight;     /* of the observer */
+    double xyz[3], lab[3];  /* of the mean; lab: beside the white, if there is one */
+    struct column *columns; /* owned, with their values */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
-    struct region_object {
-        int number; /* of the object, or surface, at the pixel that came last */
-        bool begun, several;
-    } shown;
+    int shown; /* the object, or surface, that all pixels so far show; or a number below */
 };
+enum { NO_PIXEL = -3, SEVERAL = -2 };
 /* Mean and standard deviation of values. Zero it before use. The sums are of differences from the
  * first value, so that the mean of equal values is exact and their deviation is 0. */
 struct moments {
@@ -253,14 +220,16 @@ double spectral_angle(const double *a, const double *b, int n);
 bool probe_against(struct options *options, const struct probe *first, const struct probe *second,
                    bool csv, struct error *err);
 /* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
- * deviations. The image gives these and the size. Refuses a region that is not within it. */
-bool probe_begin(struct probe *probe, const struct image *image, struct error *err);
+ * deviations. The cube gives these, the size and the unit. Refuses a region that is not within it.
+ */
+bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err);
+/* Notes the object, or surface, that a pixel shows. */
+void note_shown(struct probe *probe, int number);
 /* Ends it: the means of its moments, and their colour under the white of the cube. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
-/* probe_objects.c: finds the means of the object that is wanted, without its edges. */
-bool probe_object(struct probe *probe, const char *path, struct error *err);
-/* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
- * frees *probe, here and below, also after a failure. */
+/* probe_objects.c: probes a stack: the region, or the object that is wanted, without its edges.
+ * Refuses a stack without spectra and a region outside the picture. The caller frees *probe, here
+ * and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the

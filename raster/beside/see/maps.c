@@ -22,26 +22,23 @@ enum { MAP_MATERIAL = TRIANGLE + 1, PLACES };
 struct maps {
     struct render_job job; /* its plan; scene and sampling are those of the render */
     struct lit_scene lit;
-    struct material_terms white; /* of a perfect diffuser: constant, then a term a light */
-    char (*names)[MAP_NAME];     /* of the pages; owned */
-    const char **labels;         /* the same; owned */
-    int n_pages, n_weights, n_textures, n_illumination; /* in this order, places after weights */
+    char (*names)[MAP_NAME];            /* of the pages; owned */
+    const char **labels;                /* the same; owned */
+    int n_pages, n_weights, n_textures; /* places come after weights */
     struct stack_writer writer;
-    float *values;                 /* of a chunk: the places, or a page; owned */
+    float *values;                 /* of a chunk: the places; owned */
     const struct picture *picture; /* the chunk at hand */
-    int band;                      /* whose illumination is found */
 };
 
 /* ---- the pages ---- */
 
 /* Counts the pages, and names them. */
-static bool name_pages(struct maps *of, bool illumination, struct error *err)
+static bool name_pages(struct maps *of, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
     of->n_textures = texture_pages(plan, false);
     of->n_weights = weight_pages(plan);
-    of->n_illumination = illumination ? plan->n_bands : 0;
-    of->n_pages = of->n_weights + PLACES + of->n_textures + of->n_illumination;
+    of->n_pages = of->n_weights + PLACES + of->n_textures;
     if (!MAKE_ARRAY(of->names, of->n_pages, err, "the names of maps") ||
         !MAKE_ARRAY(of->labels, of->n_pages, err, "the names of maps"))
         return false;
@@ -51,11 +48,10 @@ static bool name_pages(struct maps *of, bool illumination, struct error *err)
         snprintf(*name++, MAP_NAME, "light %d %s", 1 + i / 2, i % 2 ? "specular" : "diffuse");
     for (int i = 0; i < PLACES; i++)
         snprintf(*name++, MAP_NAME, "%s", place_names[i]);
-    for (int i = 0; i < of->n_textures + of->n_illumination; i++) {
-        const bool lit = i >= of->n_textures, alone = !lit && of->n_textures == 1;
-        band_name(plan, lit ? i - of->n_textures : i, band);
-        snprintf(*name++, MAP_NAME, "%s%s%s", lit ? "illumination" : "texture", alone ? "" : " ",
-                 alone ? "" : band);
+    for (int i = 0; i < of->n_textures; i++) {
+        const bool alone = of->n_textures == 1;
+        band_name(plan, i, band);
+        snprintf(*name++, MAP_NAME, "texture%s%s", alone ? "" : " ", alone ? "" : band);
     }
     for (int i = 0; i < of->n_pages; i++)
         of->labels[i] = of->names[i];
@@ -143,29 +139,6 @@ static void put_places(void *context, size_t first, size_t end)
     }
 }
 
-/* ---- illumination ---- */
-
-/* Finds the radiance of a perfect diffuser in the place of some pixels, in the band at hand. */
-static void put_illumination(void *context, size_t first, size_t end)
-{
-    const struct maps *of = context;
-    const struct picture *picture = of->picture;
-    const size_t n = picture_pixels(picture);
-    for (size_t i = first; i < end; i++) {
-        const int surface = picture->surface[i];
-        const struct shaded_material *shaded = surface < 0 ? NULL : of->lit.bounds[surface].shaded;
-        double sum = 0;
-        for (int t = 0; shaded && t < shaded->n_terms; t++) {
-            const struct term *term = &shaded->terms[t];
-            const int white = term->reflection == CONSTANT ? 0 : 1 + term->light;
-            if (term->reflection != SPECULAR)
-                sum += picture->rows[(size_t)t * n + i] *
-                       of->white.spectra[white * of->job.plan.n_bands + of->band];
-        }
-        of->values[i] = (float)sum;
-    }
-}
-
 /* ---- the chunks ---- */
 
 static bool write_page(const struct maps *of, int page, const float *values, struct error *err)
@@ -175,23 +148,18 @@ static bool write_page(const struct maps *of, int page, const float *values, str
     return pages_write(&of->writer.pages, &to, values, err);
 }
 
-/* Writes a page of the decomposition; beside the first one, all that is no part of that. */
+/* Writes a page of the decomposition; beside the first one, the places. */
 static bool take_page(void *context, const struct picture *picture, int page, const float *values,
                       struct error *err)
 {
     struct maps *of = context;
-    const int threads = of->job.plan.options.threads;
     const size_t n = picture_pixels(picture);
     bool done = true;
     of->picture = picture;
     if (page == 0)
-        threads_blocks(threads, n, BLOCK_PIXELS, put_places, of);
+        threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_places, of);
     for (int i = 0; page == 0 && done && i < PLACES; i++)
         done = write_page(of, of->n_weights + i, of->values + (size_t)i * n, err);
-    for (of->band = 0; page == 0 && done && of->band < of->n_illumination; of->band++) {
-        threads_blocks(threads, n, BLOCK_PIXELS, put_illumination, of);
-        done = write_page(of, of->n_pages - of->n_illumination + of->band, of->values, err);
-    }
     return done && write_page(of, page < of->n_weights ? page : page + PLACES, values, err);
 }
 
@@ -222,10 +190,13 @@ static void put_terms(const struct plan *plan, const char *whose, const struct m
 }
 
 /* Returns the record as text, allocated; NULL on failure. It is not that of a stack, which could be
- * made again. */
+ * made again. It has the spectra of all materials, and of a perfect diffuser. */
 static char *make_record(const struct maps *of, const struct options *options, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
+    static const struct material white = {
+        .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
+    struct material_terms diffuser = {.n = 0};
     struct printed lines = {.text = NULL};
     char whose[32];
     print_text(&lines, "program: " PROGRAM "\nmaps of: ");
@@ -240,7 +211,9 @@ static char *make_record(const struct maps *of, const struct options *options, s
         record_put_object(&lines, object_name(plan, i));
     if (!has_components(plan))
         put_numbers(&lines, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
-    put_terms(plan, "white", &of->white, &lines);
+    if (material_terms_make(&plan->illumination, &white, &diffuser, err))
+        put_terms(plan, "white", &diffuser, &lines);
+    material_terms_free(&diffuser);
     for (int i = 0; i < plan->n_materials; i++) {
         snprintf(whose, sizeof whose, "material %d", i + 1);
         put_terms(plan, whose, &plan->materials[i].made, &lines);
@@ -249,17 +222,6 @@ static char *make_record(const struct maps *of, const struct options *options, s
 }
 
 /* ---- the file ---- */
-
-/* Plans the picture anew, with all lights apart, and keeps textures apart from weights. */
-static bool plan_maps(struct maps *of, const struct options *options, struct error *err)
-{
-    static const struct material white = {
-        .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
-    const struct plan *plan = &of->job.plan;
-    return job_plan(options, &of->job, err) &&
-           material_terms_make(&plan->illumination, &white, &of->white, err) &&
-           lit_make(plan, driver_of(NULL), &of->lit, err);
-}
 
 static bool write_file(struct maps *of, const struct options *options, struct outputs *outputs,
                        struct error *err)
@@ -292,16 +254,15 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
 static bool maps_write(const struct options *options, const struct render_job *job,
                        struct outputs *outputs, struct error *err)
 {
-    const struct render_options *own = options->own;
     struct maps of = {.job = {.scene = job->scene, .sampling = job->sampling}};
     of.job.options = (struct plan_options){.exchangeable = true,
                                            .untextured = true,
                                            .store_raster = true,
                                            .threads = options->threads};
-    const bool done = plan_maps(&of, options, err) && name_pages(&of, own->illumination, err) &&
-                      write_file(&of, options, outputs, err);
+    const bool done = job_plan(options, &of.job, err) &&
+                      lit_make(&of.job.plan, driver_of(NULL), &of.lit, err) &&
+                      name_pages(&of, err) && write_file(&of, options, outputs, err);
     lit_free(&of.lit);
-    material_terms_free(&of.white);
     notes_free(&of.job.notes);
     plan_free(&of.job.plan);
     FREE_ALL(of.names, of.labels, of.values);
@@ -314,8 +275,6 @@ static bool maps_write(const struct options *options, const struct render_job *j
 static bool maps_check(const struct options *options, const struct scene *scene, struct error *err)
 {
     const struct render_options *own = options->own;
-    if (own->illumination && !own->maps)
-        return error_usage(err, "--illumination adds pages to --maps FILE.tif; add it");
     return !own->maps || scene->positions <= 1 ||
            error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
 }
@@ -324,8 +283,6 @@ static const struct option rows[] = {
     {"--maps FILE.tif",
      "writes the weight of each light, textures, places and normals, by the reference",
      OWN(TEXT, render_options, maps), .writes = true},
-    {"--illumination", "--maps also holds the radiance of a white diffuser in each band",
-     OWN(FLAG, render_options, illumination)},
 };
 const struct option_list maps_options = OPTION_LIST(rows);
 const struct map_maker reference_maps = {maps_check, maps_write};

@@ -1,12 +1,50 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the spectrum of a pixel or a region of a stack, and computes its colour. Or explains that
- * of a scene: the reference draws the region as it draws the whole picture, and the spectra of the
- * lights and of the material are listed beside the region's radiance. */
+/* The spectrum of a pixel or a region, and its colour. Of a scene, the reference draws the region
+ * as it draws the whole picture, and the spectra of the lights and of the material are listed
+ * beside the region's radiance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "raster/beside/see/inside.h"
+
+/* ---- columns ---- */
+
+void column_heading(const struct column *column, char out[COLUMN_HEADING])
+{
+    const char *unit = column->unit;
+    snprintf(out, COLUMN_HEADING, "%s%s%s%s", column->name, unit ? " (" : "", unit ? unit : "",
+             unit ? ")" : "");
+}
+
+void columns_print(const struct column *columns, int n_columns, int n, struct printed *to)
+{
+    for (int i = 0; i < n; i++) {
+        print(to, "%-17.10g", columns[0].values[i]);
+        for (int column = 1; column < n_columns; column++)
+            print(to, " %-12.6g", columns[column].values[i]);
+        print_text(to, "\n");
+    }
+}
+
+void columns_print_csv(const struct column *columns, int n_columns, int n, struct printed *to)
+{
+    char heading[COLUMN_HEADING];
+    for (int column = 0; column < n_columns; column++) {
+        column_heading(&columns[column], heading);
+        print_text(to, column > 0 ? ",\"" : "\"");
+        csv_text(heading, to);
+        print_text(to, "\"");
+    }
+    for (int i = 0; i < n; i++)
+        for (int column = 0; column < n_columns; column++) {
+            const double value = columns[column].values[i];
+            print_text(to, column > 0 ? "," : "\n");
+            if (isfinite(value))
+                print(to, "%.*g", exact_digits(value), value);
+        }
+    print_text(to, "\n");
+}
 
 /* ---- any probe ---- */
 
@@ -26,46 +64,46 @@ void moments_end(const struct moments *moments, double *mean, double *spread)
     *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
 }
 
-static void add_values(struct moments *moments, const float *values, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        moments_add(moments, (double)values[i]);
-}
-
-/* Adds a column of zeros. Returns it; NULL: no memory. */
-static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
+/* Adds a column of zeros; unit NULL: that of radiances. Returns it; NULL: no memory. */
+static struct column *add_column(struct probe *probe, const char *name, const char *unit,
+                                 struct error *err)
 {
     if (!array_add(&probe->columns, &probe->n_columns, NULL, sizeof *probe->columns, err))
         return NULL;
-    struct probe_column *out = &probe->columns[probe->n_columns - 1];
+    struct column *out = &probe->columns[probe->n_columns - 1];
     snprintf(out->name, sizeof out->name, "%s", name);
+    out->unit = unit ? unit : probe->absolute ? ABSOLUTE_UNIT : ABSOLUTE_UNIT ", relative";
     return MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n)
                ? out
                : NULL;
 }
 
-static void note_shown(struct probe *probe, int number)
+void note_shown(struct probe *probe, int number)
 {
-    struct region_object *shown = &probe->shown;
-    shown->several = shown->several || (shown->begun && number != shown->number);
-    shown->number = number;
-    shown->begun = true;
+    if (probe->shown == NO_PIXEL)
+        probe->shown = number;
+    else if (number != probe->shown)
+        probe->shown = SEVERAL;
 }
 
-bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
+bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err)
 {
+    const struct image *image = &cube->image;
+    probe->absolute = cube->record.unit != NULL;
     probe->n = image->n_pages;
+    probe->shown = NO_PIXEL;
     if (!string_copy(image->path, &probe->source, err))
         return false;
-    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
+    if (probe->at.x > image->width - probe->at.width ||
+        probe->at.y > image->height - probe->at.height)
         return error_usage(
             err,
             "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
             "reaches beyond it",
-            image->path, image->width, image->height, probe->width, probe->height, probe->x,
-            probe->y);
-    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
-        !add_column(probe, "standard deviation of radiance", err) ||
+            image->path, image->width, image->height, probe->at.width, probe->at.height,
+            probe->at.x, probe->at.y);
+    if (!add_column(probe, "wavelength", "nm", err) || !add_column(probe, "radiance", NULL, err) ||
+        !add_column(probe, "standard deviation of radiance", NULL, err) ||
         !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
         return false;
     memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
@@ -73,82 +111,22 @@ bool probe_begin(struct probe *probe, const struct image *image, struct error *e
     return true;
 }
 
-/* Ends the means and deviations. Computes XYZ of the mean and of the white. has_white is false if
- * neither the probe names a white nor the cube records one. Refuses a white that the probe names if
- * it cannot be used. */
+/* There is no white if neither the probe names one nor the cube records one. Refuses a white that
+ * the probe names if it cannot be used. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
     const struct white_request white = {probe->white, false};
-    struct sight sight = {.weights = NULL};
+    const struct sight *sight = &probe->sight;
+    const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
-    if (done) {
-        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
-        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
-        probe->has_white = sight.has_white;
-        probe->absolute = cube->record.unit != NULL;
-    }
-    sight_free(&sight);
-    return done;
-}
-
-/* ---- a stack ---- */
-
-/* Rows are read in chunks of so many samples, 64 MiB, or of the region's. Large chunks are better
- * because a compressed page is unpacked as a whole. */
-static const size_t chunk_samples = (size_t)1 << 24;
-
-static bool read_bands(struct stack_rows *rows, struct probe *probe, struct error *err)
-{
-    const size_t width = (size_t)rows->cube.image.width;
-    const uint64_t n = (uint64_t)probe->height * width * (uint64_t)probe->n;
-    if (!rows_allocate(rows, n < chunk_samples ? n : chunk_samples, err))
+    if (!sight_make(cube, probe->observer, &white, &probe->sight, err))
         return false;
-    rows->end = probe->y + probe->height;
-    for (int y = probe->y; y < rows->end; y += rows->n) {
-        if (!rows_read(rows, y, err))
-            return false;
-        for (int page = 0; page < probe->n; page++)
-            for (int row = 0; row < rows->n; row++)
-                add_values(&probe->moments[page],
-                           rows->samples + (size_t)page * rows->stride + (size_t)row * width +
-                               probe->x,
-                           (size_t)probe->width);
-    }
+    detector_response(sight->weights, mean, probe->n, probe->xyz);
+    if (sight->has_white)
+        cielab(probe->xyz, sight->white, probe->lab);
     return true;
-}
-
-/* Finds the object that all pixels of the region show, if the stack has a map of objects. */
-static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
-{
-    const struct region_object *shown = &probe->shown;
-    int *row;
-    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source);
-    for (int y = 0; done && y < probe->height && !shown->several; y++) {
-        done = cube_objects(cube, probe->x, probe->y + y, probe->width, row, err);
-        for (int x = 0; done && x < probe->width; x++)
-            note_shown(probe, row[x]);
-    }
-    free(row);
-    if (!done || shown->several || shown->number < 0)
-        return done;
-    return string_copy(shown->number > 0 ? cube->record.objects.text[shown->number - 1]
-                                         : "background",
-                       &probe->object, err);
-}
-
-bool probe_stack(struct probe *probe, const char *path, struct error *err)
-{
-    struct stack_rows rows = {.samples = NULL};
-    const struct cube *cube = &rows.cube;
-    const bool done = cube_open(path, &rows.cube, err) &&
-                      cube_needs_radiance(cube, "a probe", err) &&
-                      probe_begin(probe, &cube->image, err) && read_bands(&rows, probe, err) &&
-                      find_object(cube, probe, err) && probe_end(probe, cube, err);
-    rows_close(&rows);
-    return done;
 }
 
 /* ---- a region of a scene ---- */
@@ -163,7 +141,8 @@ static void add_band(void *context, const struct drawn_band *drawn)
     struct region *region = context;
     const struct picture *picture = drawn->picture;
     const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
-    add_values(&region->probe->moments[drawn->band], drawn->radiance, n);
+    for (size_t i = 0; i < n; i++)
+        moments_add(&region->probe->moments[drawn->band], (double)drawn->radiance[i]);
     for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
         note_shown(region->probe, picture->surface[i]);
 }
@@ -179,11 +158,10 @@ enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
                       const struct spectrum *spectrum, struct error *err)
 {
-    struct probe_column *out = add_column(probe, name, err);
+    struct column *out = add_column(probe, name, kind == LIGHT ? NULL : "1", err);
     if (!out)
         return false;
     const enum spectrum_ends ends = kind == REFLECTANCE ? SPECTRUM_HOLD : SPECTRUM_ZERO;
-    out->relative = kind != LIGHT;
     for (int i = 0; i < probe->n; i++)
         out->values[i] =
             factor *
@@ -240,10 +218,10 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    const int surface = probe->shown.number; /* -1: the background */
+    const int surface = probe->shown; /* -1: the background */
     const struct material *shown =
-        probe->shown.several || surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
-    return (probe->shown.several ||
+        surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
+    return (surface == SEVERAL ||
             string_copy(object_name(region->lit.plan, surface), &probe->object, err)) &&
            (!shown || add_material(probe, shown, err)) &&
            add_lights(probe, region->lit.plan->scene, shown, err);
@@ -251,22 +229,16 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- a whole scene ---- */
 
-static bool inspect(struct region *region, struct error *err)
-{
-    const struct probe *probe = region->probe;
-    const struct rectangle pixels = {probe->x, probe->y, probe->width, probe->height};
-    struct radiances radiances = {1, add_band, region}; /* sums have the order of pixels */
-    return lit_make(region->lit.plan, driver_of(NULL), &region->lit, err) &&
-           find_full_scale(&region->lit, err) &&
-           radiances_each(&region->lit, &pixels, &radiances, err) && add_curves(region, err);
-}
-
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
     struct region region = {.lit = {.plan = plan}, .probe = probe};
+    struct radiances radiances = {1, add_band, &region}; /* sums have the order of pixels */
     struct cube cube;
-    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube.image, err) &&
-                      inspect(&region, err) && probe_end(probe, &cube, err);
+    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube, err) &&
+                      lit_make(plan, driver_of(NULL), &region.lit, err) &&
+                      find_full_scale(&region.lit, err) &&
+                      radiances_each(&region.lit, &probe->at, &radiances, err) &&
+                      add_curves(&region, err) && probe_end(probe, &cube, err);
     free(cube.record.white.value);
     lit_free(&region.lit);
     return done;
@@ -276,5 +248,6 @@ void probe_free(struct probe *probe)
 {
     for (int column = 0; column < probe->n_columns; column++)
         free(probe->columns[column].values);
+    sight_free(&probe->sight);
     FREE_ALL(probe->columns, probe->source, probe->object, probe->moments);
 }

@@ -17,21 +17,19 @@ struct probe_own {
 /* Reads "X,Y", or takes the word as the name or number of an object. */
 static bool read_printed(const char *word, struct probe *out, struct error *err)
 {
-    char x[16];
-    const char *comma = strchr(word, ',');
-    if (!comma || comma[1 + strspn(comma + 1, "0123456789")] || comma - word >= (int)sizeof x) {
-        out->wanted = word;
-        return true;
-    }
-    snprintf(x, sizeof x, "%.*s", (int)(comma - word), word);
-    return option_count("X", x, 0, INT32_MAX, &out->x, err) &&
-           option_count("Y", comma + 1, 0, INT32_MAX, &out->y, err);
+    char x[16], y[16];
+    int end = 0;
+    if (sscanf(word, "%15[0-9],%15[0-9]%n", x, y, &end) == 2 && word[end] == '\0')
+        return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
+               option_count("Y", y, 0, INT32_MAX, &out->at.y, err);
+    out->wanted = word;
+    return true;
 }
 
 static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
-    int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
+    int *numbers[] = {&out->at.x, &out->at.y, &out->at.width, &out->at.height};
     if (options->n_operands == 2) /* X,Y, as printed; or an object */
         return read_printed(options->operands[1], out, err);
     if (options->n_operands != 3 && options->n_operands != 5)
@@ -45,11 +43,13 @@ static bool region_read(const struct options *options, struct probe *out, struct
     return true;
 }
 
-/* Refuses changes of a scene beside a stack. */
-static bool refuse_changes(const struct options *options, struct error *err)
+bool stack_refuses_changes(const struct options *options, struct error *err)
 {
-    return options->n_recorded == 0 || error_usage(err, "%s is a stack; %s needs a scene",
-                                                   options->operand, options->recorded[0]);
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0)
+            return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
+                               options->recorded[i]);
+    return true;
 }
 
 /* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. Or
@@ -58,10 +58,10 @@ static bool read_against(struct options *options, struct probe *first, struct pr
                          struct error *err)
 {
     const struct probe_own *own = options->own;
-    int *y = &second->y;
+    int *y = &second->at.y;
     if (own->svg || options->json || options->white)
         return error_usage(err, "--against takes no --svg, --json or --white");
-    if (own->csv && !refuse_changes(options, err)) /* the table has no colours */
+    if (own->csv && !stack_refuses_changes(options, err)) /* the table has no colours */
         return false;
     if (options->n_operands == 2) {
         first->wanted = options->operands[1];
@@ -72,7 +72,7 @@ static bool read_against(struct options *options, struct probe *first, struct pr
         return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y; or an "
                                 "object: probe STACK OBJECT --against OBJECT");
     options->n_operands--;
-    return option_count("--against", own->against, 0, INT32_MAX, &second->x, err) &&
+    return option_count("--against", own->against, 0, INT32_MAX, &second->at.x, err) &&
            option_count("--against", options->operands[options->n_operands], 0, INT32_MAX, y,
                         err) &&
            region_read(options, first, err);
@@ -101,29 +101,25 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
         return probe->wanted
                    ? error_usage(err, "objects are found in stacks; a scene takes X and Y")
                    : probe_picture(options, probe, err);
-    return refuse_changes(options, err) &&
-           (probe->wanted ? probe_object : probe_stack)(probe, options->operand, err);
+    return stack_refuses_changes(options, err) && probe_stack(probe, options->operand, err);
 }
 
 /* ---- out ---- */
 
 static void print_colour(const struct probe *probe, struct printed *to)
 {
-    double xy[2], lab[3], luv[3];
-    const double *xyz = probe->xyz, *white = probe->of_white;
+    double xy[2];
+    const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->sight.white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
           probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
-    if (!probe->has_white) {
+    if (!probe->sight.has_white) {
         print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
-    cielab(xyz, white, lab);
-    cieluv(xyz, white, luv);
     print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
-    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
     print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
@@ -131,81 +127,46 @@ void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->wanted)
         snprintf(out, capacity, "object %.80s", probe->wanted);
-    else if (probe->width == 1 && probe->height == 1)
-        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
+    else if (probe->at.width == 1 && probe->at.height == 1)
+        snprintf(out, capacity, "pixel %d,%d", probe->at.x, probe->at.y);
     else
-        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
-                 probe->y);
-}
-
-static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
-{
-    const struct probe_column *of = &probe->columns[column];
-    snprintf(out, capacity, "%s (%s)", of->name,
-             column == WAVELENGTH ? "nm"
-             : of->relative       ? "1"
-             : probe->absolute    ? ABSOLUTE_UNIT
-                                  : ABSOLUTE_UNIT ", relative");
+        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->at.width, probe->at.height,
+                 probe->at.x, probe->at.y);
 }
 
 static void probe_print(const struct probe *probe, struct printed *to)
 {
-    char text[160], number[32];
+    char text[COLUMN_HEADING], number[32];
     print_fact(to, "source", probe->source);
     region_text(probe, text, sizeof text);
     print(to, "region            %s\n", text);
     print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < probe->n_columns; column++) {
-        column_name(probe, column, text, sizeof text);
+        column_heading(&probe->columns[column], text);
         snprintf(number, sizeof number, "column %d", column + 1);
         print_fact(to, number, text);
     }
-    for (int i = 0; i < probe->n; i++) {
-        print(to, "%-17.10g", probe->columns[WAVELENGTH].values[i]);
-        for (int column = MEAN; column < probe->n_columns; column++)
-            print(to, " %-12.6g", probe->columns[column].values[i]);
-        print_text(to, "\n");
-    }
-}
-
-static void probe_print_csv(const struct probe *probe, struct printed *to)
-{
-    char name[160];
-    const int last = probe->n_columns - 1;
-    for (int column = 0; column <= last; column++) {
-        column_name(probe, column, name, sizeof name);
-        print_text(to, "\"");
-        csv_text(name, to);
-        print_text(to, column < last ? "\"," : "\"\n");
-    }
-    for (int i = 0; i < probe->n; i++)
-        for (int column = 0; column <= last; column++) {
-            const double value = probe->columns[column].values[i];
-            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
-        }
+    columns_print(probe->columns, probe->n_columns, probe->n, to);
 }
 
 static void probe_json(const struct probe *probe, struct json *json)
 {
     static const char *const names[] = {"wavelengths_nm", "radiance", "standard_deviation"};
-    double lab[3];
     json_begin(json);
     json_string(json, "source", probe->source);
     if (!probe->wanted) {
-        json_count(json, "x", (uint64_t)probe->x);
-        json_count(json, "y", (uint64_t)probe->y);
-        json_count(json, "width", (uint64_t)probe->width);
-        json_count(json, "height", (uint64_t)probe->height);
+        json_count(json, "x", (uint64_t)probe->at.x);
+        json_count(json, "y", (uint64_t)probe->at.y);
+        json_count(json, "width", (uint64_t)probe->at.width);
+        json_count(json, "height", (uint64_t)probe->at.height);
     }
     json_string(json, "object", probe->object);
     json_string(json, "observer", probe->observer);
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
-    json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
-    if (probe->has_white)
-        cielab(probe->xyz, probe->of_white, lab);
-    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
+    json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);
+    json_numbers(json, "Lab", probe->sight.has_white ? probe->lab : NULL, 3);
     for (int column = 0; column < CURVES; column++)
         json_numbers(json, names[column], probe->columns[column].values, probe->n);
     json_open(json, "curves", '[');
@@ -222,8 +183,8 @@ static void probe_json(const struct probe *probe, struct json *json)
  * where a radiance is 0 or more. A pixel has none. */
 static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
 {
-    const struct probe_column *columns = probe->columns;
-    const bool is_region = probe->width > 1 || probe->height > 1 || probe->wanted;
+    const struct column *columns = probe->columns;
+    const bool is_region = probe->at.width > 1 || probe->at.height > 1 || probe->wanted;
     const size_t n_bars = 3 * (size_t)probe->n; /* both ends, and what separates them */
     struct chart_series *all = NULL;
     double *nm, *ends = NULL;
@@ -247,7 +208,7 @@ static bool probe_svg(const struct probe *probe, struct printed *to, struct erro
                                             .n = is_bars ? (int)n_bars : probe->n,
                                             .x = is_bars ? nm : columns[WAVELENGTH].values,
                                             .y = is_bars ? ends : columns[i].values,
-                                            .right = columns[i].relative};
+                                            .right = strcmp(columns[i].unit, "1") == 0};
         if (series.right)
             chart.right_label = "reflectance, excitation, emission";
         if (!is_bars || is_region)
@@ -271,10 +232,12 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
     struct printed printed = {.text = NULL};
     struct json json;
     probe_json(probe, &json);
-    if (!own->svg)
-        (own->csv ? probe_print_csv : probe_print)(probe, &printed);
-    else
+    if (own->csv)
+        columns_print_csv(probe->columns, probe->n_columns, probe->n, &printed);
+    else if (own->svg)
         probe_svg(probe, &printed, err); /* report_write ends all, also after a failure */
+    else
+        probe_print(probe, &printed);
     return report_write(options, &json, &printed, err);
 }
 
@@ -294,19 +257,19 @@ static bool run_probe(struct options *options, struct error *err)
 {
     const struct probe_own *own = options->own;
     struct probe probe = {
-        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+        .at = {0, 0, 1, 1}, .observer = options_detector(options), .white = options->white};
     if (!check_forms(options, err))
         return false;
     if (own->objects)
-        return scene_refuse(options->operand, err) && refuse_changes(options, err) &&
+        return scene_refuse(options->operand, err) && stack_refuses_changes(options, err) &&
                probe_objects(options, own->csv, own->edges, err);
     struct probe second = probe;
     if (own->against ? !read_against(options, &probe, &second, err)
                      : !region_read(options, &probe, err))
         return false;
     if (own->against) {
-        second.width = probe.width;
-        second.height = probe.height;
+        second.at.width = probe.at.width;
+        second.at.height = probe.at.height;
         return scene_refuse(options->operand, err) &&
                probe_against(options, &probe, &second, own->csv, err);
     }

@@ -1,31 +1,39 @@
 /* SPDX-License-Identifier: MIT */
-/* The values of each object of a stack: mean and standard deviation of its pixels in each band, in
- * XYZ and CIELAB, and in the channels of a camera of any number of channels. Pixels at an edge,
- * where a neighbour shows another object, are left out unless they are wanted. */
+/* The values of pixels of a stack: of a region, of one object, or of each object. They are mean and
+ * standard deviation in each band; of objects also in XYZ and CIELAB, and in the channels of a
+ * camera of any number of channels. Pixels at an edge of an object, where a neighbour shows another
+ * one, are left out unless they are wanted. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "raster/beside/see/inside.h"
 
-/* Objects that are measured. */
+/* Rows are read in chunks of so many samples, 64 MiB, or of those that are wanted. Large chunks are
+ * better because a compressed page is unpacked as a whole. */
+static const uint64_t chunk_samples = (uint64_t)1 << 24;
+
+/* Pixels that are measured. */
 struct measured {
     struct stack_rows rows;
-    struct sight sight;
-    struct camera_channels camera; /* are measured, too */
-    double *pixel;                 /* its columns; owned */
-    bool edges;
-    int n_objects, n_columns; /* bands, then channels */
-    struct moments *moments;  /* [object][column]; owned */
-    int *map[3];              /* of the row before, the row at hand and the row behind; owned */
+    struct rectangle at;     /* their rows and columns */
+    struct probe *region;    /* all of these are one region; NULL: objects are measured */
+    int first, n_objects;    /* the objects, from 1 */
+    bool edges;              /* of objects count, too */
+    struct sight colours;    /* of objects, to an observer */
+    struct sight camera;     /* measures objects, too; no channels: there is none */
+    int n_columns;           /* bands, then channels */
+    double *pixel;           /* its columns; owned */
+    struct moments *moments; /* [object][column], or of the region */
+    int *map[3];             /* of the row before, the row at hand and the row behind; owned */
 };
 
 /* ---- pixels ---- */
 
 /* Returns whether all neighbours of a pixel show its object. Beyond the picture they do. */
-static bool is_inside(const struct measured *of, int x, int width)
+static bool is_inside(const struct measured *of, int x)
 {
-    const int number = of->map[1][x];
+    const int number = of->map[1][x], width = of->rows.cube.image.width;
     for (int row = 0; row < 3; row++)
         for (int column = x > 0 ? x - 1 : 0; column <= x + 1 && column < width; column++)
             if (of->map[row][column] != number)
@@ -33,14 +41,31 @@ static bool is_inside(const struct measured *of, int x, int width)
     return true;
 }
 
-/* Adds the pixel of the chunk to its object. */
-static void add_pixel(struct measured *of, int object, const float *samples)
+/* Returns where a pixel of the row at hand is added up; NULL: nowhere. */
+static struct moments *moments_at(const struct measured *of, int x)
 {
-    struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
+    const int object = of->map[1][x] - of->first;
+    if (of->region) {
+        note_shown(of->region, of->map[1][x]);
+        return of->moments;
+    }
+    return object >= 0 && object < of->n_objects && (of->edges || is_inside(of, x))
+               ? of->moments + (size_t)object * (size_t)of->n_columns
+               : NULL;
+}
+
+/* Adds the pixel of the chunk. */
+static void add_pixel(struct measured *of, struct moments *moments, const float *samples)
+{
     const int n_bands = of->rows.cube.image.n_pages;
     for (int band = 0; band < n_bands; band++)
         of->pixel[band] = (double)samples[(size_t)band * of->rows.stride];
-    camera_add(&of->camera, of->pixel, n_bands);
+    for (int i = n_bands; i < of->n_columns; i++) {
+        const double *weights = of->camera.weights + (size_t)(i - n_bands) * (size_t)n_bands;
+        of->pixel[i] = 0;
+        for (int band = 0; band < n_bands; band++)
+            of->pixel[i] += weights[band] * of->pixel[band];
+    }
     for (int column = 0; column < of->n_columns; column++)
         moments_add(&moments[column], of->pixel[column]);
 }
@@ -57,81 +82,81 @@ static bool read_map(struct measured *of, int y, struct error *err)
     return true;
 }
 
-static bool measure(struct measured *of, struct error *err)
+static bool measure_rows(struct measured *of, struct error *err)
 {
-    const struct image *image = &of->rows.cube.image;
-    const int width = image->width;
-    of->rows.end = image->height;
-    for (int y = 0; y < image->height; y += of->rows.n) {
-        if (!rows_read(&of->rows, y, err))
+    const int width = of->rows.cube.image.width;
+    for (int row = 0; row < of->rows.n; row++) {
+        if (!read_map(of, of->rows.first + row, err))
             return false;
-        for (int row = 0; row < of->rows.n; row++) {
-            if (!read_map(of, y + row, err))
-                return false;
-            for (int x = 0; x < width; x++)
-                if (of->map[1][x] > 0 && (of->edges || is_inside(of, x, width)))
-                    add_pixel(of, of->map[1][x] - 1,
-                              of->rows.samples + (size_t)row * (size_t)width + x);
+        for (int x = of->at.x; x < of->at.x + of->at.width; x++) {
+            struct moments *moments = moments_at(of, x);
+            if (moments)
+                add_pixel(of, moments, of->rows.samples + (size_t)row * (size_t)width + x);
         }
     }
     return true;
 }
 
+static bool measure(struct measured *of, struct error *err)
+{
+    const struct image *image = &of->rows.cube.image;
+    const uint64_t n = (uint64_t)of->at.height * (uint64_t)image->width * (uint64_t)image->n_pages;
+    for (int i = 0; i < 3; i++)
+        if (!MAKE_ARRAY(of->map[i], (size_t)image->width, err, "a row of %s", image->path))
+            return false;
+    if (!MAKE_ARRAY(of->pixel, of->n_columns, err, "%d columns", of->n_columns) ||
+        !rows_allocate(&of->rows, n < chunk_samples ? n : chunk_samples, err))
+        return false;
+    of->rows.end = of->at.y + of->at.height;
+    for (int y = of->at.y; y < of->rows.end; y += of->rows.n)
+        if (!rows_read(&of->rows, y, err) || !measure_rows(of, err))
+            return false;
+    return true;
+}
+
 /* ---- before ---- */
 
-static bool prepare(struct measured *of, const char *path, const char *detector, const char *white,
-                    struct error *err)
+static bool open_stack(struct measured *of, const char *path, struct error *err)
 {
-    struct cube *cube = &of->rows.cube;
-    const struct white_request request = {white, false};
-    if (!cube_open(path, cube, err) || !cube_needs_radiance(cube, "a probe", err))
-        return false;
-    if (cube->record.map_bytes == 0)
-        return error_usage(err, "%s has no map of objects; expected a stack of spectral render",
-                           path);
-    if (!camera_open(cube, detector, &of->camera, err) ||
-        !sight_make(cube, of->camera.detector.n > 0 ? "cie1931" : detector, &request, &of->sight,
-                    err))
-        return false;
-    const size_t width = (size_t)cube->image.width, n_pages = (size_t)cube->image.n_pages;
-    of->n_objects = cube->record.objects.n;
-    of->n_columns = cube->image.n_pages + of->camera.detector.n;
-    for (int i = 0; i < 3; i++)
-        if (!MAKE_ARRAY(of->map[i], width, err, "a row of %s", path))
-            return false;
-    return MAKE_ARRAY(of->pixel, of->n_columns, err, "%d columns", of->n_columns) &&
-           MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
-                      "the values of %d objects", of->n_objects) &&
-           rows_allocate(
-               &of->rows,
-               (size_t)fmin((double)width * (double)n_pages * cube->image.height, 1 << 24), err);
+    return cube_open(path, &of->rows.cube, err) &&
+           cube_needs_radiance(&of->rows.cube, "a probe", err);
+}
+
+/* Makes all pixels those that are measured, by their objects. */
+static bool open_map(struct measured *of, struct error *err)
+{
+    const struct image *image = &of->rows.cube.image;
+    of->at = (struct rectangle){0, 0, image->width, image->height};
+    return of->rows.cube.record.map_bytes > 0 ||
+           error_usage(err, "%s has no map of objects; expected a stack of spectral render",
+                       image->path);
 }
 
 static void measured_free(struct measured *of)
 {
     rows_close(&of->rows);
-    sight_free(&of->sight);
-    camera_close(&of->camera);
-    FREE_ALL(of->pixel, of->moments, of->map[0], of->map[1], of->map[2]);
+    sight_free(&of->colours);
+    sight_free(&of->camera);
+    FREE_ALL(of->pixel, of->map[0], of->map[1], of->map[2]);
 }
 
-/* ---- one object ---- */
+/* ---- a region, or one object ---- */
 
-/* Returns the number of the object that is named, or that has this number, from 0; -1: there is
+/* Returns the number of the object that is named, or that has this number, from 1; 0: there is
  * none, or several have the name. */
 static int find_named(const struct record *record, const char *wanted, struct error *err)
 {
     struct error ignored = {.status = EXIT_AGREED};
     const struct word word = {.start = wanted, .length = strlen(wanted)};
-    int found = -1, n = 0;
+    int found = 0, n = 0;
     long number;
-    for (int i = record->objects.n - 1; i >= 0; i--)
-        if (strcmp(record->objects.text[i], wanted) == 0) {
+    for (int i = record->objects.n; i > 0; i--)
+        if (strcmp(record->objects.text[i - 1], wanted) == 0) {
             found = i;
             n++;
         }
     if (n == 0 && word_integer(&word, "it", 1, record->objects.n, &number, &ignored))
-        return (int)number - 1;
+        return (int)number;
     if (n > 1)
         error_usage(err,
                     "%d objects are named '%.100s'; expected a number from 1 to %d, in the "
@@ -139,28 +164,43 @@ static int find_named(const struct record *record, const char *wanted, struct er
                     n, wanted, record->objects.n);
     else if (n == 0)
         error_usage(err, "there is no object '%.100s'; --objects lists them", wanted);
-    return n == 1 ? found : -1;
+    return n == 1 ? found : 0;
 }
 
-bool probe_object(struct probe *probe, const char *path, struct error *err)
+/* Chooses the pixels of a probe, which has begun. */
+static bool choose_pixels(struct measured *of, struct probe *probe, struct error *err)
+{
+    of->moments = probe->moments;
+    of->n_columns = probe->n;
+    if (!probe->wanted) {
+        of->region = probe;
+        of->at = probe->at;
+        return true;
+    }
+    if (!open_map(of, err))
+        return false;
+    of->first = find_named(&of->rows.cube.record, probe->wanted, err);
+    of->n_objects = 1;
+    note_shown(probe, of->first);
+    return of->first > 0;
+}
+
+bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
     struct measured of = {.edges = false};
-    const bool done = prepare(&of, path, probe->observer, NULL, err) &&
-                      probe_begin(probe, &of.rows.cube.image, err);
-    const int object = done ? find_named(&of.rows.cube.record, probe->wanted, err) : -1;
-    bool found = object >= 0 && measure(&of, err);
-    const struct moments *moments =
-        of.moments + (size_t)(found ? object : 0) * (size_t)of.n_columns;
-    if (found && moments->n == 0)
-        found =
+    const struct cube *cube = &of.rows.cube;
+    bool done = open_stack(&of, path, err) && probe_begin(probe, cube, err) &&
+                choose_pixels(&of, probe, err) && measure(&of, err);
+    if (done && probe->moments->n == 0)
+        done =
             error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
-    if (found) {
-        memcpy(probe->moments, moments, (size_t)probe->n * sizeof *moments);
-        found = string_copy(of.rows.cube.record.objects.text[object], &probe->object, err) &&
-                probe_end(probe, &of.rows.cube, err);
-    }
+    if (done && probe->shown >= 0)
+        done = string_copy(probe->shown > 0 ? cube->record.objects.text[probe->shown - 1]
+                                            : "background",
+                           &probe->object, err);
+    done = done && probe_end(probe, cube, err);
     measured_free(&of);
-    return found;
+    return done;
 }
 
 /* ---- out ---- */
@@ -181,9 +221,9 @@ static void find_values(const struct measured *of, int object, struct values *ou
     out->pixels = moments[0].n;
     for (int i = 0; i < of->n_columns; i++)
         moments_end(&moments[i], &out->mean[i], &out->spread[i]);
-    detector_response(of->sight.weights, out->mean, n_bands, out->xyz);
-    if (of->sight.has_white)
-        cielab(out->xyz, of->sight.white, out->lab);
+    detector_response(of->colours.weights, out->mean, n_bands, out->xyz);
+    if (of->colours.has_white)
+        cielab(out->xyz, of->colours.white, out->lab);
 }
 
 /* Names a band or a channel. */
@@ -225,7 +265,7 @@ static void print_csv(const struct measured *of, const struct values *values, st
     csv_text(values->name, to);
     print(to, "\",%llu", (unsigned long long)values->pixels);
     print_numbers(values->xyz, 3, values->pixels > 0, to);
-    print_numbers(values->lab, 3, values->pixels > 0 && of->sight.has_white, to);
+    print_numbers(values->lab, 3, values->pixels > 0 && of->colours.has_white, to);
     print_numbers(values->mean, of->n_columns, values->pixels > 0, to);
     print_numbers(values->spread, of->n_columns, values->pixels > 0, to);
     print_text(to, "\n");
@@ -240,7 +280,7 @@ static void print_line(const struct measured *of, const struct values *values, s
     if (seen)
         print(to, "  XYZ             %.4f %.4f %.4f%s\n", values->xyz[0], values->xyz[1],
               values->xyz[2], of->rows.cube.record.unit ? ", Y in cd/m2" : "");
-    if (seen && of->sight.has_white)
+    if (seen && of->colours.has_white)
         print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
               values->lab[2]);
     for (int i = n_bands; seen && i < of->n_columns; i++)
@@ -256,7 +296,7 @@ static void put_json(const struct measured *of, const struct values *values, str
     json_string(json, "name", values->name);
     json_count(json, "pixels", values->pixels);
     json_numbers(json, "XYZ", seen ? values->xyz : NULL, 3);
-    json_numbers(json, "Lab", seen && of->sight.has_white ? values->lab : NULL, 3);
+    json_numbers(json, "Lab", seen && of->colours.has_white ? values->lab : NULL, 3);
     json_numbers(json, "radiance", seen ? values->mean : NULL, n_bands);
     json_numbers(json, "standard_deviation", seen ? values->spread : NULL, n_bands);
     json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->camera.detector.n);
@@ -287,21 +327,44 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_close(json, ']');
 }
 
+/* Finds how the detector sees the stack: an observer in colours; a camera in its channels, beside
+ * which cie1931 sees colours. */
+static bool find_sights(struct measured *of, const struct options *options, struct error *err)
+{
+    const struct white_request white = {options->white, false};
+    const struct cube *cube = &of->rows.cube;
+    const char *name = options_detector(options);
+    if (!sight_of_channels(cube, name, &of->camera, err))
+        return false;
+    if (of->camera.detector.observer)
+        sight_free(&of->camera);
+    else
+        name = "cie1931";
+    return sight_make(cube, name, &white, &of->colours, err);
+}
+
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
 {
-    struct measured of = {.edges = edges};
+    struct measured of = {.edges = edges, .first = 1};
+    const struct cube *cube = &of.rows.cube;
     struct values values = {.name = NULL};
     struct printed printed = {.text = NULL};
     struct json json;
-    bool done = prepare(&of, options->operand, options_detector(options), options->white, err) &&
-                measure(&of, err) &&
-                MAKE_ARRAY(values.mean, of.n_columns, err, "the values of an object") &&
-                MAKE_ARRAY(values.spread, of.n_columns, err, "the values of an object");
+    bool done = open_stack(&of, options->operand, err) && open_map(&of, err) &&
+                find_sights(&of, options, err);
+    of.n_objects = cube->record.objects.n;
+    of.n_columns = cube->image.n_pages + of.camera.detector.n;
+    done = done &&
+           MAKE_ARRAY(of.moments, (size_t)of.n_objects * (size_t)of.n_columns, err,
+                      "the values of %d objects", of.n_objects) &&
+           MAKE_ARRAY(values.mean, of.n_columns, err, "the values of an object") &&
+           MAKE_ARRAY(values.spread, of.n_columns, err, "the values of an object") &&
+           measure(&of, err);
     if (done) {
         put_objects(&of, &values, csv, &json, &printed);
         done = report_write(options, &json, &printed, err);
     }
-    FREE_ALL(values.mean, values.spread);
+    FREE_ALL(values.mean, values.spread, of.moments);
     measured_free(&of);
     return done;
 }

@@ -69,8 +69,8 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
 
 /* ---- maps.c: maps of a picture ---- */
 
-/* Writes float pages of the weights of all lights, textures, places, and with --illumination the
- * radiance of a perfect diffuser in each band. Their record has the spectra of all terms. */
+/* Writes float pages of the weights of all lights, textures and places. Their record has the
+ * spectra of all terms. */
 extern const struct map_maker reference_maps;
 
 /* ---- decomposition.c: a picture as weights and textures ---- */
@@ -94,16 +94,6 @@ bool decompose(const struct lit_scene *lit, const struct decomposition *of, stru
 
 /* ---- sight.c: how a detector sees a stack ---- */
 
-/* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from
- * the sampling that the stack records, otherwise from detector_weights. Refuses weights too large
- * to compute with, and, for a fixed sampling, any detector but its own. */
-bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
-                  struct error *err);
-/* Finds the response of such weights to a radiance of 1 everywhere. Fails where memory runs out. */
-bool cube_equal_response(const struct cube *cube, const struct detector *detector,
-                         const double *weights, double out[3], struct error *err);
-/* Finds the part of each sensitivity outside the range of the pages, as detector_lost. */
-void cube_lost(const struct cube *cube, const struct detector *detector, double *out);
 /* Finds the white's radiance at each page's wavelength (for box its mean), n_pages values. The
  * white is the SPECTRUM that the word of a command line names; NULL: the one that the stack
  * records. Refuses a stack that records none, and a white that is 0 everywhere. */
@@ -112,20 +102,24 @@ struct white_request {
     const char *spectrum; /* as cube_white takes it */
     bool needed;          /* refuse a stack without a white, even if `spectrum` is NULL */
 };
-/* Finds the response of weights (cube_weights) to a white; in a fixed stack, the response of its
- * detector to the white at every nm. *found: there is a white. Refuses a missing white that is
- * needed or named, and a white too large to compute with. */
-bool cube_white_response(const struct cube *cube, const struct white_request *request,
-                         const double *weights, bool *found, double out[3], struct error *err);
-/* How an observer sees a stack. */
+/* How a detector sees a stack, whose pages have weights in each channel. Of a fixed sampling, only
+ * its own detector sees it. */
 struct sight {
-    double *weights; /* of X, Y and Z, as cube_weights, times cube_luminance; owned */
-    double white[3]; /* XYZ, likewise */
+    struct detector detector;   /* owned */
+    double *weights;            /* [channel * n_pages + page]; owned */
+    double lost[MOST_CHANNELS]; /* parts of sensitivities outside the range, as detector_lost */
+    /* A detector of three channels has responses to the white, and to a radiance of 1. */
     bool has_white;
+    double white[3], equal[3];
 };
-/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
+/* Make the sight of an observer, in cd m-2 where radiances are absolute; and of any detector of
+ * three channels, without that factor. They refuse what the readers of detectors and cube_white
+ * refuse, and weights or a white too large to compute with. The caller frees *out, zeroed before,
+ * also after a failure. */
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err);
+bool sight_relative(const struct cube *cube, const char *detector,
+                    const struct white_request *white, struct sight *out, struct error *err);
 void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */
@@ -173,5 +167,7 @@ extern const struct command compare_command;
 
 /* Prints the spectrum of a region of a stack or of a scene, as text, CSV or SVG. */
 extern const struct command probe_command;
+/* Refuses options that change a scene, but for its detector, beside a stack, the operand. */
+bool stack_refuses_changes(const struct options *options, struct error *err);
 
 #endif

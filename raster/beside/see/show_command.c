@@ -11,26 +11,21 @@ struct show_own {
 };
 
 struct curves {
-    struct curve {
-        char name[96];
-        struct spectrum spectrum; /* owned */
-        double *values;           /* at each wavelength; NaN: none; owned */
-    } curve[MOST_CURVES];
+    struct column columns[1 + MOST_CURVES]; /* the wavelengths, then the curves; values are owned */
+    struct spectrum spectra[MOST_CURVES];   /* of the curves; owned */
     int n, n_nm;
-    double *nm; /* owned */
 };
 
 /* Takes a spectrum over. */
 static bool add_curve(struct curves *curves, const char *name, const char *part,
                       struct spectrum *spectrum, struct error *err)
 {
-    struct curve *curve = &curves->curve[curves->n];
     if (curves->n == MOST_CURVES)
         return error_usage(err, "more than %d curves; expected at most so many", MOST_CURVES);
-    snprintf(curve->name, sizeof curve->name, "%s%s%s", name, part[0] ? " " : "", part);
-    curve->spectrum = *spectrum;
+    curves->spectra[curves->n++] = *spectrum;
     *spectrum = (struct spectrum){0};
-    curves->n++;
+    struct column *column = &curves->columns[curves->n];
+    snprintf(column->name, sizeof column->name, "%s%s%s", name, part[0] ? " " : "", part);
     return true;
 }
 
@@ -121,21 +116,22 @@ static int compare_numbers(const void *a, const void *b)
 /* Finds the wavelengths of all tables; formulas have every 5 nm from 380 to 780 nm. */
 static bool find_wavelengths(struct curves *curves, struct error *err)
 {
+    double **nm = &curves->columns[0].values;
     int kept = 0;
     bool done = true;
     for (int c = 0; c < curves->n; c++) {
-        const struct spectrum *s = &curves->curve[c].spectrum;
+        const struct spectrum *s = &curves->spectra[c];
         const bool sampled = s->kind == SPECTRUM_SAMPLED;
         for (int i = 0; done && i < (sampled ? s->count : 81); i++) {
             const double at = sampled ? s->wavelength_nm[i] : 380 + 5 * i;
-            done = array_add(&curves->nm, &curves->n_nm, &at, sizeof at, err);
+            done = array_add(nm, &curves->n_nm, &at, sizeof at, err);
         }
     }
     if (curves->n_nm > 0)
-        qsort(curves->nm, (size_t)curves->n_nm, sizeof *curves->nm, compare_numbers);
+        qsort(*nm, (size_t)curves->n_nm, sizeof **nm, compare_numbers);
     for (int i = 0; i < curves->n_nm; i++)
-        if (kept == 0 || curves->nm[i] > curves->nm[kept - 1])
-            curves->nm[kept++] = curves->nm[i];
+        if (kept == 0 || (*nm)[i] > (*nm)[kept - 1])
+            (*nm)[kept++] = (*nm)[i];
     curves->n_nm = kept;
     return done;
 }
@@ -146,48 +142,29 @@ static bool find_values(struct curves *curves, struct error *err)
     if (!find_wavelengths(curves, err))
         return false;
     for (int c = 0; c < curves->n; c++) {
-        struct curve *curve = &curves->curve[c];
-        if (!MAKE_ARRAY(curve->values, curves->n_nm, err, "a curve of %d wavelengths",
-                        curves->n_nm))
+        const struct spectrum *spectrum = &curves->spectra[c];
+        double **values = &curves->columns[1 + c].values;
+        if (!MAKE_ARRAY(*values, curves->n_nm, err, "a curve of %d wavelengths", curves->n_nm))
             return false;
-        for (int i = 0; i < curves->n_nm; i++)
-            curve->values[i] = spectrum_extrapolates(&curve->spectrum, curves->nm[i])
-                                   ? (double)NAN
-                                   : spectrum_at(&curve->spectrum, curves->nm[i], SPECTRUM_ZERO);
+        for (int i = 0; i < curves->n_nm; i++) {
+            const double nm = curves->columns[0].values[i];
+            (*values)[i] = spectrum_extrapolates(spectrum, nm)
+                               ? (double)NAN
+                               : spectrum_at(spectrum, nm, SPECTRUM_ZERO);
+        }
     }
     return true;
 }
 
 static void curves_free(struct curves *curves)
 {
-    for (int i = 0; i < curves->n; i++) {
-        spectrum_free(&curves->curve[i].spectrum);
-        free(curves->curve[i].values);
-    }
-    free(curves->nm);
+    for (int i = 0; i < curves->n; i++)
+        spectrum_free(&curves->spectra[i]);
+    for (int i = 0; i <= curves->n; i++)
+        free(curves->columns[i].values);
 }
 
 /* ---- out ---- */
-
-static void print_csv(const struct curves *curves, struct printed *to)
-{
-    print_text(to, "\"wavelength (nm)\"");
-    for (int c = 0; c < curves->n; c++) {
-        print_text(to, ",\"");
-        csv_text(curves->curve[c].name, to);
-        print_text(to, "\"");
-    }
-    for (int i = 0; i < curves->n_nm; i++) {
-        print(to, "\n%.*g", exact_digits(curves->nm[i]), curves->nm[i]);
-        for (int c = 0; c < curves->n; c++) {
-            const double value = curves->curve[c].values[i];
-            print_text(to, ",");
-            if (isfinite(value))
-                print(to, "%.*g", exact_digits(value), value);
-        }
-    }
-    print_text(to, "\n");
-}
 
 static void print_svg(const struct curves *curves, const char *title, struct printed *to)
 {
@@ -198,17 +175,17 @@ static void print_svg(const struct curves *curves, const char *title, struct pri
                                 .series = series,
                                 .n = curves->n};
     for (int c = 0; c < curves->n; c++)
-        series[c] = (struct chart_series){.name = curves->curve[c].name,
+        series[c] = (struct chart_series){.name = curves->columns[1 + c].name,
                                           .n = curves->n_nm,
-                                          .x = curves->nm,
-                                          .y = curves->curve[c].values};
+                                          .x = curves->columns[0].values,
+                                          .y = curves->columns[1 + c].values};
     chart_svg(&chart, to);
 }
 
 static bool run_show(struct options *options, struct error *err)
 {
     const struct show_own *own = options->own;
-    struct curves curves = {.n = 0};
+    struct curves curves = {.columns = {{"wavelength", "nm", NULL}}};
     struct printed printed = {.text = NULL}, names = {.text = NULL};
     bool done = own->csv + own->svg < 2 || error_usage(err, "--csv and --svg exclude each other");
     if (done && !own->csv && !own->svg)
@@ -221,7 +198,7 @@ static bool run_show(struct options *options, struct error *err)
     char *title = printed_end(&names);
     done = done && find_values(&curves, err);
     if (done && own->csv)
-        print_csv(&curves, &printed);
+        columns_print_csv(curves.columns, 1 + curves.n, curves.n_nm, &printed);
     else if (done)
         print_svg(&curves, title, &printed);
     done = done &&

@@ -6,17 +6,6 @@
 
 /* ---- weights ---- */
 
-static bool is_for(const struct cube *cube, const struct detector *detector, struct error *err)
-{
-    const struct record *record = &cube->record;
-    return strcmp(record->sampling_detector, detector->name) == 0 ||
-           error_usage(err,
-                       "%s: was sampled by %s for %s only; expected --detector %s, or a stack that"
-                       " was rendered with --detector %s",
-                       cube->image.path, record->sampling, record->sampling_detector,
-                       record->sampling_detector, detector->name);
-}
-
 /* Weights and whites have this limit: no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
@@ -31,14 +20,21 @@ static bool weights_are_finite(const struct cube *cube, const struct detector *d
     return true;
 }
 
-bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
-                  struct error *err)
+/* Finds the weights of the pages in each channel. They follow from the sampling that the stack
+ * records, otherwise from detector_weights. */
+static bool find_weights(const struct cube *cube, const struct detector *detector, double *out,
+                         struct error *err)
 {
     const struct record *record = &cube->record;
     const struct image *image = &cube->image;
-    if (record->response.n > 0 && !is_for(cube, detector, err))
-        return false;
-    if (record->response.n > 0)
+    const bool fixed = record->response.n > 0;
+    if (fixed && strcmp(record->sampling_detector, detector->name) != 0)
+        return error_usage(err,
+                           "%s: was sampled by %s for %s only; expected --detector %s, or a stack "
+                           "that was rendered with --detector %s",
+                           image->path, record->sampling, record->sampling_detector,
+                           record->sampling_detector, detector->name);
+    if (fixed)
         memcpy(out, record->response.value, (size_t)record->response.n * sizeof *out);
     else if (record->segments.n > 0)
         sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments.value,
@@ -48,7 +44,7 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
     return weights_are_finite(cube, detector, out, err);
 }
 
-void cube_lost(const struct cube *cube, const struct detector *detector, double *out)
+static void find_lost(const struct cube *cube, const struct detector *detector, double *out)
 {
     const struct record *record = &cube->record;
     if (record->response.n > 0)
@@ -77,23 +73,15 @@ static bool respond_finely(const struct record *record, const struct detector *d
     return true;
 }
 
-bool cube_equal_response(const struct cube *cube, const struct detector *detector,
-                         const double *weights, double out[3], struct error *err)
+static bool find_equal(const struct cube *cube, struct sight *out, struct error *err)
 {
     if (cube->record.response.n > 0)
-        return respond_finely(&cube->record, detector, NULL, out, err);
-    detector_response(weights, NULL, cube->image.n_pages, out);
+        return respond_finely(&cube->record, &out->detector, NULL, out->equal, err);
+    detector_response(out->weights, NULL, cube->image.n_pages, out->equal);
     return true;
 }
 
 /* ---- the white ---- */
-
-/* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
-static bool read_white(const char *value, struct spectrum *out, struct error *err)
-{
-    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
-    return spectrum_read(&word, 0, HUGE_VAL, out, err);
-}
 
 /* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
 static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
@@ -105,30 +93,28 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-/* Finds the white that --white names: its radiance on each page, or, if `fixed`, the response to it
- * of the stack's detector. */
-static bool white_of_option(const struct cube *cube, const char *value, bool fixed, double *out,
-                            struct error *err)
+/* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
+ * of its detector. The whole value is one word, blanks and all. */
+static bool white_of_option(const struct cube *cube, const char *value,
+                            const struct detector *fixed, double *out, struct error *err)
 {
     const struct record *record = &cube->record;
     const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
     const double *segments = record->segments.value;
+    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    struct detector detector = {.name = NULL};
-    const bool good = (!fixed || detector_read(record->sampling_detector, &detector, err)) &&
-                      read_white(value, &spectrum, err) &&
-                      (!fixed || respond_finely(record, &detector, &spectrum, out, err));
+    const bool good = spectrum_read(&word, 0, HUGE_VAL, &spectrum, err) &&
+                      (!fixed || respond_finely(record, fixed, &spectrum, out, err));
     for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
                        : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
-    detector_free(&detector);
     spectrum_free(&spectrum);
     return good;
 }
 
 /* Finds that white; without a name, the one that the stack records. */
-static bool find_white(const struct cube *cube, const char *spectrum, bool fixed, double *out,
-                       struct error *err)
+static bool find_white(const struct cube *cube, const char *spectrum, const struct detector *fixed,
+                       double *out, struct error *err)
 {
     const struct numbers *recorded = fixed ? &cube->record.white_response : &cube->record.white;
     const int n = fixed ? 3 : cube->image.n_pages;
@@ -153,61 +139,91 @@ static bool find_white(const struct cube *cube, const char *spectrum, bool fixed
 
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
 {
-    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, false, out, err);
+    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, NULL, out, err);
 }
 
-bool cube_white_response(const struct cube *cube, const struct white_request *request,
-                         const double *weights, bool *found, double out[3], struct error *err)
+/* Finds the response of the weights to a white; in a fixed stack, of its detector to the white at
+ * every nm. Refuses a missing white that is needed or named, and a white too large to compute with.
+ */
+static bool find_white_response(const struct cube *cube, const struct white_request *request,
+                                struct sight *out, struct error *err)
 {
     const int n = cube->image.n_pages;
-    const bool fixed = cube->record.response.n > 0;
+    const struct detector *fixed = cube->record.response.n > 0 ? &out->detector : NULL;
     const bool needed = request->needed || request->spectrum != NULL;
     struct error ignored = {.status = EXIT_AGREED};
     double *white;
-    if (!MAKE_ARRAY(white, fixed ? 3 : n, err, "the white of %s", cube->image.path))
+    if (!MAKE_ARRAY(white, n, err, "the white of %s", cube->image.path))
         return false;
-    *found = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
-    if (*found && fixed)
-        memcpy(out, white, 3 * sizeof *out);
-    else if (*found)
-        detector_response(weights, white, n, out);
+    out->has_white = find_white(cube, request->spectrum, fixed, fixed ? out->white : white,
+                                needed ? err : &ignored);
+    if (out->has_white && !fixed)
+        detector_response(out->weights, white, n, out->white);
     free(white);
-    for (int channel = 0; *found && channel < 3; channel++)
-        if (!(fabs(out[channel]) <= largest_number))
+    for (int channel = 0; out->has_white && channel < 3; channel++)
+        if (!(fabs(out->white[channel]) <= largest_number))
             return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
-                               cube->image.path, out[channel], channel + 1, largest_number);
-    return *found || !needed;
+                               cube->image.path, out->white[channel], channel + 1, largest_number);
+    return out->has_white || !needed;
 }
 
-/* ---- as an observer sees it ---- */
+/* ---- as a detector sees it ---- */
 
-double cube_luminance(const struct cube *cube, const struct detector *detector)
+/* Completes the sight of a detector; with a white request its responses, too. absolute: takes an
+ * observer's XYZ to cd m-2, if the radiances of the cube are absolute. */
+static bool complete(const struct cube *cube, const struct white_request *white, bool absolute,
+                     struct sight *out, struct error *err)
 {
-    return cube->record.unit && detector->observer ? detector_luminance(detector) : 1;
+    const struct detector *detector = &out->detector;
+    const int n = detector->n * cube->image.n_pages;
+    find_lost(cube, detector, out->lost);
+    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
+        !find_weights(cube, detector, out->weights, err) ||
+        (white && (!find_white_response(cube, white, out, err) || !find_equal(cube, out, err))))
+        return false;
+    if (!absolute || !cube->record.unit || !detector->observer)
+        return true;
+    const double luminance = detector_luminance(detector);
+    for (int i = 0; i < n; i++)
+        out->weights[i] *= luminance;
+    for (int i = 0; i < 3; i++) {
+        out->white[i] *= luminance;
+        out->equal[i] *= luminance;
+    }
+    return true;
 }
 
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err)
 {
-    struct detector detector = {.name = NULL};
-    const size_t n = 3 * (size_t)cube->image.n_pages;
-    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path))
+    return observer_read(observer, &out->detector, err) && complete(cube, white, true, out, err);
+}
+
+bool sight_relative(const struct cube *cube, const char *detector,
+                    const struct white_request *white, struct sight *out, struct error *err)
+{
+    return detector_read(detector, &out->detector, err) && complete(cube, white, false, out, err);
+}
+
+bool sight_of_picture(const struct cube *cube, const char *detector,
+                      const struct white_request *white, struct sight *out, struct error *err)
+{
+    if (!detector_read(detector, &out->detector, err))
         return false;
-    const bool done =
-        observer_read(observer, &detector, err) &&
-        cube_weights(cube, &detector, out->weights, err) &&
-        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
-    const double luminance = done ? cube_luminance(cube, &detector) : 1;
-    for (size_t i = 0; done && i < n; i++)
-        out->weights[i] *= luminance;
-    for (int i = 0; done && i < 3; i++)
-        out->white[i] *= luminance;
-    detector_free(&detector);
-    return done;
+    const struct white_request request = {white->spectrum,
+                                          white->needed || !out->detector.observer};
+    return complete(cube, &request, true, out, err);
+}
+
+bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
+                       struct error *err)
+{
+    return channels_read(detector, &out->detector, err) && complete(cube, NULL, true, out, err);
 }
 
 void sight_free(struct sight *sight)
 {
+    detector_free(&sight->detector);
     free(sight->weights);
     sight->weights = NULL;
 }

@@ -40,35 +40,25 @@ static void tell_page(const struct options *options, size_t bytes, struct tellin
     print(&to->words, "page              %s, %.2f MB\n", options->output, (double)bytes / 1e6);
 }
 
-static void tell_picture(const struct viewing *view, struct telling *to)
-{
-    const struct scene *scene = view->plan->scene;
-    const uint64_t n_pixels = (uint64_t)scene->width * (uint64_t)scene->height;
-    json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
-    print(&to->words,
-          "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
-          "picture           %s\n",
-          view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
-          view->options->output);
-}
-
 static void tell_scene(const struct viewing *view, enum output_kind kind, struct telling *to)
 {
     const struct view_options *own = view->options->own;
     const struct plan *plan = view->plan;
+    const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
     json_string(&to->json, "scene", options_scene(view->options));
     json_count(&to->json, "objects", (uint64_t)plan->n_instances);
     json_count(&to->json, "lights", (uint64_t)plan->n_lights);
     print(&to->words, "objects           %d\nlights            %d\n", plan->n_instances,
           plan->n_lights);
-    if (kind == PICTURE)
-        tell_picture(view, to);
-    else
+    if (kind == PICTURE) {
+        json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
+        print(&to->words,
+              "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
+              "picture           %s\n",
+              view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
+              view->options->output);
+    } else
         tell_page(view->options, view->bytes, to);
-    if (view->n_illuminants > 0) { /* a live page finds them later */
-        json_count(&to->json, "illuminants", (uint64_t)view->n_illuminants);
-        json_count(&to->json, "detectors", (uint64_t)view->n_detectors);
-    }
     if (kind != PICTURE && is_still(view->options) && !own->still)
         print_text(&to->words,
                    "kind              still: lights and eye can be changed; ./build.sh live "
@@ -121,26 +111,15 @@ static bool view_scene(struct options *options, enum output_kind kind, struct te
 
 /* ---- stacks ---- */
 
-/* Returns the first option that only a scene takes; NULL: there is none. */
-static const char *option_of_scene(const struct options *options)
-{
-    for (int i = 0; i < options->n_recorded; i++)
-        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0)
-            return options->recorded[i];
-    return NULL;
-}
-
 /* Refuses what only a scene can be asked for. */
 static bool refuse_for_stack(const struct options *options, enum output_kind kind,
                              struct error *err)
 {
     const struct view_options *own = options->own;
-    const char *stack = options->operand, *of_scene = option_of_scene(options);
-    if (of_scene)
-        return error_usage(err, "%s is for scenes; the stack %s is rendered already", of_scene,
-                           stack);
+    if (!stack_refuses_changes(options, err))
+        return false;
     if (own->still)
-        return error_usage(err, "--still is for scenes; %s is a stack", stack);
+        return error_usage(err, "--still is for scenes; %s is a stack", options->operand);
     if (kind == PICTURE || kind == DESCRIPTION)
         return error_usage(err,
                            "%s: view writes pages of stacks; expected .html (develop writes "
@@ -174,12 +153,10 @@ static bool view_stack(struct options *options, enum output_kind kind, struct te
 {
     const struct view_options *own = options->own;
     const double usual_mb = 40;
-    double budget_mb = usual_mb;
-    if (!refuse_for_stack(options, kind, err) ||
-        (own->budget && !option_number("--budget", own->budget, 1, 1e6, &budget_mb, err)))
-        return false;
-    struct stack_page page = {.detector = options->detector, .budget_bytes = 1e6 * budget_mb};
-    const bool done = stack_page_write(&page, options, kind == PLANES, err);
+    struct stack_page page = {.detector = options->detector,
+                              .budget_bytes = 1e6 * (own->budget > 0 ? own->budget : usual_mb)};
+    const bool done = refuse_for_stack(options, kind, err) &&
+                      stack_page_write(&page, options, kind == PLANES, err);
     if (done)
         tell_stack(options, &page, to);
     stack_page_free(&page);
@@ -222,7 +199,7 @@ static bool run_view(struct options *options, struct error *err)
                                 "./build.sh live makes one that writes both");
     if (operand && !output_is_standard(operand) && !image_is(operand, &is_stack, err))
         return false;
-    if (own->budget && !is_stack)
+    if (own->budget > 0 && !is_stack)
         return error_usage(err, "--budget is for pages of stacks; %s is a scene",
                            options_scene(options));
     json_begin(&to.json);
@@ -246,7 +223,7 @@ static const struct option view_rows[] = {
     {"--detector, --observer NAME", "sees with it, a built-in one or a file (default: cie1931)",
      SHARED(TEXT, detector), .recorded = true},
     {"--budget MB", "samples in the page of a stack, at most (default: 40)",
-     OWN(TEXT, view_options, budget)},
+     OWN(NUMBER, view_options, budget), .lowest = 1, .highest = 1e6},
 };
 const struct command view_command = {
     .name = "view",

@@ -247,34 +247,25 @@ static void put_surfaces(struct describer *describer)
 
 /* ---- detectors, adaptations and displays ---- */
 
-/* Puts a detector and its weights, which `row` has room for. Leaves out one that cannot see the
- * cube. */
-static bool put_detector(const struct cube *cube, bool is_stack, const char *name, double *row,
+/* Puts a detector and its weights. Leaves out one that cannot see the cube. */
+static void put_detector(const struct cube *cube, bool is_stack, const char *name,
                          struct json *json, struct error *err)
 {
-    static const struct white_request request = {NULL, false};
-    struct detector detector = {.name = NULL};
-    double lost[3], equal[3], white[3];
-    bool has_white;
-    const bool seen =
-        detector_read(name, &detector, err) && cube_weights(cube, &detector, row, err) &&
-        (!is_stack || (cube_equal_response(cube, &detector, row, equal, err) &&
-                       cube_white_response(cube, &request, row, &has_white, white, err)));
-    if (seen) {
-        cube_lost(cube, &detector, lost);
+    static const struct white_request white = {NULL, false};
+    struct sight sight = {.weights = NULL};
+    if (sight_relative(cube, name, &white, &sight, err)) {
         json_open(json, NULL, '{');
         json_string(json, "name", name);
-        json_truth(json, "observer", detector.observer);
-        json_rows(json, "weights", row, cube->image.n_pages);
-        json_numbers(json, "lost", lost, 3);
+        json_truth(json, "observer", sight.detector.observer);
+        json_rows(json, "weights", sight.weights, cube->image.n_pages);
+        json_numbers(json, "lost", sight.lost, 3);
         if (is_stack) {
-            json_numbers(json, "equal", equal, 3);
-            json_numbers(json, "of_white", white, has_white ? 3 : 0);
+            json_numbers(json, "equal", sight.equal, 3);
+            json_numbers(json, "of_white", sight.white, sight.has_white ? 3 : 0);
         }
         json_close(json, '}');
     }
-    detector_free(&detector);
-    return seen;
+    sight_free(&sight);
 }
 
 /* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
@@ -337,30 +328,24 @@ static void put_displays(struct json *json)
     json_close(json, ']');
 }
 
-int put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
-             struct error *err)
+void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
+              struct error *err)
 {
     char name[BUILTIN_NAME];
-    double *row;
-    int n = 0;
-    if (!MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector"))
-        return 0;
     json_string(json, "detector", chosen);
     json_open(json, "detectors", '[');
     if (chosen)
-        put_detector(cube, is_stack, chosen, row, json, err);
+        put_detector(cube, is_stack, chosen, json, err);
     for (size_t i = 0; next_table(&i, true, name); i++) {
         struct error refused = {.status = EXIT_AGREED};
-        n += !(chosen && strcmp(chosen, name) == 0) &&
-             put_detector(cube, is_stack, name, row, json, &refused);
+        if (!chosen || strcmp(chosen, name) != 0)
+            put_detector(cube, is_stack, name, json, &refused);
         if (refused.status == EXIT_SYSTEM)
             *err = refused;
     }
     json_close(json, ']');
-    free(row);
     put_adaptations(json);
     put_displays(json);
-    return n;
 }
 
 /* ---- all of it ---- */
@@ -378,7 +363,7 @@ static void put_camera(struct json *json, const struct camera *camera)
     json_close(json, '}');
 }
 
-char *description_make(struct viewing *view, struct error *err)
+char *description_make(const struct viewing *view, struct error *err)
 {
     struct describer describer = {.plan = view->plan, .err = err};
     const struct scene *scene = view->plan->scene;
@@ -402,10 +387,9 @@ char *description_make(struct viewing *view, struct error *err)
         put_illuminants(&describer);
         put_surfaces(&describer);
         if (scene_cube(scene, &cube, err))
-            view->n_detectors = put_eyes(&cube, false, view->options->detector, json, err);
+            put_eyes(&cube, false, view->options->detector, json, err);
         free(cube.record.white.value);
     }
-    view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)
         spectrum_free(&describer.illuminants[i]);
     FREE_ALL(describer.illuminants, describer.row);

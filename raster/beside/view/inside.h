@@ -20,7 +20,7 @@
 #include "raster/renderers/renderers.h"
 
 struct view_options {
-    const char *budget;
+    double budget; /* MB; 0: not given */
     bool still, gallery;
 };
 
@@ -28,10 +28,9 @@ struct view_options {
 struct viewing {
     struct options *options; /* their output is the page, or the picture */
     const struct plan *plan;
-    struct lit_scene lit;           /* of the plan; a description needs none */
-    size_t bytes;                   /* of a page */
-    int n_illuminants, n_detectors; /* 0: a live page finds them */
-    uint64_t out_of_gamut;          /* pixels of a picture with a clipped channel */
+    struct lit_scene lit;  /* of the plan; a description needs none */
+    size_t bytes;          /* of a page */
+    uint64_t out_of_gamut; /* pixels of a picture with a clipped channel */
     struct notes *notes;
 };
 /* All functions that take a view and end in _write write its output. On failure no file has been
@@ -92,15 +91,14 @@ enum { LARGEST_SAMPLE = UINT16_MAX }; /* of a plane */
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 /* ---- description.c: what a page knows beside its pixels ---- */
 
-/* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... Counts the
- * view's illuminants and detectors. NULL: see err. */
-char *description_make(struct viewing *view, struct error *err);
+/* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... NULL: see err.
+ */
+char *description_make(const struct viewing *view, struct error *err);
 /* Puts all detectors that can see the pages of a cube, the chosen one first (NULL: none); for a
  * stack also their responses to the white and to a radiance of 1. Then come all adaptations and all
- * displays. Returns the number of built-in detectors. Fails, see *err, where memory runs out, and
- * where the chosen one is refused. */
-int put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
-             struct error *err);
+ * displays. Fails, see *err, where memory runs out, and where the chosen one is refused. */
+void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
+              struct error *err);
 
 /* drawing.c. Puts the head of data: the length of a description in 11 digits, a line's end, and the
  * description, filled up with blanks so that numbers can follow. Frees the description. */

@@ -122,8 +122,6 @@ static bool add_content(struct printed *to, const struct scene *scene, const cha
     }
     if (got < 0)
         error_system(err, "cannot read %s", path);
-    else if (to->failed)
-        memory_lacks(err, 2 * (double)to->length, "a page with %s", path);
     close(descriptor);
     return err->status == EXIT_AGREED;
 }
@@ -182,21 +180,15 @@ static char *start_json(const struct options *options, const struct scene *scene
 
 /* ---- the page ---- */
 
-static void put_files(const struct options *options, const struct scene *scene,
-                      struct printed *data, struct error *err)
-{
-    struct printed bytes = {.text = NULL};
-    put_json(data, "start", start_json(options, scene, &bytes, err));
-    char *all = printed_take(&bytes, err);
-    if (all)
-        put_packed(data, "files", all, bytes.length, err);
-    free(all);
-}
-
 bool live_write(struct viewing *view, struct error *err)
 {
     struct page_parts parts = {.kind = PAGE_LIVE};
+    struct printed bytes = {.text = NULL};
     if (put_first(view, &parts, err))
-        put_files(view->options, view->plan->scene, &parts.data, err);
+        put_json(&parts.data, "start", start_json(view->options, view->plan->scene, &bytes, err));
+    char *files = printed_take(&bytes, err);
+    if (files)
+        put_packed(&parts.data, "files", files, bytes.length, err);
+    free(files);
     return page_write(&parts, view->options, &view->bytes, err);
 }

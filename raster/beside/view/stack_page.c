@@ -118,26 +118,11 @@ static void put_white(const struct cube *cube, struct json *json, struct error *
     free(white);
 }
 
-static void put_size(const struct stack_page *stack, struct json *json)
-{
-    const struct image *image = &stack->rows.cube.image;
-    json_count(json, "width", (uint64_t)stack->width);
-    json_count(json, "height", (uint64_t)stack->height);
-    json_count(json, "full_width", (uint64_t)image->width);
-    json_count(json, "full_height", (uint64_t)image->height);
-    json_count(json, "factor", (uint64_t)stack->factor);
-    json_count(json, "bands", (uint64_t)image->n_pages);
-    json_truth(json, "components", stack->rows.cube.components);
-    json_truth(json, "counts", stack->counts);
-    json_number(json, "unit", stack->counts ? image->scale / LARGEST_SAMPLE : 1);
-    json_truth(json, "has_objects", stack->objects != NULL);
-    json_numbers(json, "wavelengths", image->wavelengths_nm, image->n_pages);
-}
-
 /* Returns the description as JSON, allocated. */
 static char *describe(const struct stack_page *stack, const char *name, struct error *err)
 {
     const struct cube *cube = &stack->rows.cube;
+    const struct image *image = &cube->image;
     const struct texts *objects = &cube->record.objects;
     struct json json;
     json_begin(&json);
@@ -145,7 +130,17 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
     json_string(&json, "radiance_unit", cube->record.unit);
-    put_size(stack, &json);
+    json_count(&json, "width", (uint64_t)stack->width);
+    json_count(&json, "height", (uint64_t)stack->height);
+    json_count(&json, "full_width", (uint64_t)image->width);
+    json_count(&json, "full_height", (uint64_t)image->height);
+    json_count(&json, "factor", (uint64_t)stack->factor);
+    json_count(&json, "bands", (uint64_t)image->n_pages);
+    json_truth(&json, "components", cube->components);
+    json_truth(&json, "counts", stack->counts);
+    json_number(&json, "unit", stack->counts ? image->scale / LARGEST_SAMPLE : 1);
+    json_truth(&json, "has_objects", stack->objects != NULL);
+    json_numbers(&json, "wavelengths", image->wavelengths_nm, image->n_pages);
     json_strings(&json, "objects", objects->text, objects->n);
     put_white(cube, &json, err);
     put_eyes(cube, true, stack->detector, &json, err);

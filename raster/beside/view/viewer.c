@@ -81,12 +81,6 @@ bool has_live_pages(void)
     return find_module() != NULL;
 }
 
-static void put_module(struct printed *to)
-{
-    const struct builtin_file *file = find_module();
-    put_base64(to, "module", file->bytes, file->length);
-}
-
 /* ---- the page ---- */
 
 /* The security policy forbids a page to fetch or to send anything. A live page may compile the
@@ -169,8 +163,9 @@ static void put_file(struct page *page, const char *name)
 
 bool page_write(struct page_parts *parts, struct options *options, size_t *bytes, struct error *err)
 {
-    if (parts->kind == PAGE_LIVE)
-        put_module(&parts->data);
+    const struct builtin_file *module = parts->kind == PAGE_LIVE ? find_module() : NULL;
+    if (module)
+        put_base64(&parts->data, "module", module->bytes, module->length);
     char *data = printed_take(&parts->data, err);
     struct page page = {.parts = parts, .data = data, .err = err};
     if (data)

@@ -129,7 +129,7 @@ static void test_mean(void)
     CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient light");
     check_no_white(&cube, "0", "the white is 0 at all of the stack's wavelengths");
     check_no_white(&cube, "an unknown light is refused", "--white:1:1: error: ");
-    check_no_white(&cube, "", "expected one line");
+    check_no_white(&cube, "", "must not be empty");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
     cube_close(&cube);
     cube_close(&cube);
@@ -365,36 +365,36 @@ static void white_at_1nm(double out[3])
     detector_response(weights, white, N, out);
 }
 
-/* Finds a stack's response to a white. */
-static bool responds(const struct cube *cube, const char *spectrum, bool required, bool *found,
-                     double white[3], struct error *err)
+/* Finds how the observer sees a stack: its responses to a white and to a radiance of 1. */
+static bool responds(const struct cube *cube, const char *spectrum, bool required,
+                     struct sight *out, struct error *err)
 {
-    double weights[3 * 64];
+    const struct white_request white = {spectrum, required};
     *err = (struct error){0};
-    return cube_weights(cube, &observer, weights, err) &&
-           cube_white_response(cube, &(struct white_request){spectrum, required}, weights, found,
-                               white, err);
+    *out = (struct sight){.weights = NULL};
+    const bool done = sight_relative(cube, "cie1931", &white, out, err);
+    sight_free(out);
+    return done;
 }
 
 static void check_response(const struct cube *cube, const char *spectrum, double tolerance,
                            const char *name)
 {
-    double weights[3 * 64] = {0}, white[3] = {0}, expected[3] = {0};
-    bool found = false;
+    const struct white_request none = {NULL, false};
+    double expected[3] = {0};
     struct error err;
-    struct detector other;
+    struct sight seen, other = {.weights = NULL};
     white_at_1nm(expected);
-    CHECK(responds(cube, spectrum, true, &found, white, &err) && found &&
-              detector_read("cie1964", &other, &err),
+    CHECK(responds(cube, spectrum, true, &seen, &err) && seen.has_white,
           "%s: there are weights and a white %s", name, err.text);
     for (int channel = 0; channel < 3; channel++)
-        CHECK_NEAR(white[channel], expected[channel], tolerance * expected[channel],
+        CHECK_NEAR(seen.white[channel], expected[channel], tolerance * expected[channel],
                    "%s: the white in channel %d", name, channel + 1);
-    const bool open = cube_weights(cube, &other, weights, &err);
+    const bool open = sight_relative(cube, "cie1964", &none, &other, &err);
     CHECK(open == (cube->record.response.n == 0) &&
               (open || strstr(err.text, "expected --detector cie1931") != NULL),
           "%s: another detector works unless the sampling is fixed for one %s", name, err.text);
-    detector_free(&other);
+    sight_free(&other);
 }
 
 static void test_sampled(void)
@@ -454,19 +454,16 @@ static const char *const kinds[N_KINDS] = {"gauss:8", "gauss:9,xyz", "basis:2", 
 static void test_equal(void)
 {
     for (size_t i = 0; i < N_KINDS; i++) {
-        double weights[3 * 64], equal[3], white[3];
-        bool found;
+        struct sight seen;
         struct cube cube;
         struct error err;
         if (!open_sampled(kinds[i], &cube))
             continue;
-        CHECK(responds(&cube, "1", true, &found, white, &err) &&
-                  cube_weights(&cube, &observer, weights, &err) &&
-                  cube_equal_response(&cube, &observer, weights, equal, &err),
-              "%s: both whites are computed %s", kinds[i], err.text);
+        CHECK(responds(&cube, "1", true, &seen, &err), "%s: both whites are computed %s", kinds[i],
+              err.text);
         for (int channel = 0; channel < 3; channel++)
-            CHECK_NEAR(equal[channel], white[channel], 1e-12, "%s: they agree in channel %d",
-                       kinds[i], channel + 1);
+            CHECK_NEAR(seen.equal[channel], seen.white[channel], 1e-12,
+                       "%s: they agree in channel %d", kinds[i], channel + 1);
         cube_close(&cube);
     }
 }
@@ -474,20 +471,17 @@ static void test_equal(void)
 /* The numbers of a file may be finite although their sums are not. */
 static void test_huge(void)
 {
-    double weights[3 * 64], white[3];
-    bool found;
+    struct sight seen;
     struct cube cube;
     struct error err = {0};
     if (!open_sampled("gauss:9,xyz", &cube))
         return;
     cube.record.white_response.value[1] = 1e300;
-    CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found, white,
-                               &err) &&
+    CHECK(!responds(&cube, NULL, true, &seen, &err) &&
               strstr(err.text, "the white has 1e+300 in channel 2") != NULL,
           "a white of 1e300 is refused %s", err.text);
-    err = (struct error){0};
     cube.record.response.value[3] = -1e300;
-    CHECK(!cube_weights(&cube, &observer, weights, &err) &&
+    CHECK(!responds(&cube, NULL, true, &seen, &err) &&
               strstr(err.text, "weight -1e+300 of page 4 cannot be used") != NULL,
           "a weight of -1e300 is refused %s", err.text);
     cube_close(&cube);
@@ -501,18 +495,16 @@ static void test_unseen(void)
                "wavelengths 400 700 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
                "light lamp.csv 1 direction 0 0 1\n");
     for (size_t i = 0; i < N_KINDS; i++) {
-        double white[3];
-        bool found = true;
+        struct sight seen;
         struct cube cube;
         struct error err;
         if (!open_rendered("cube.scene", REFERENCE, kinds[i], &cube))
             continue;
-        CHECK(responds(&cube, NULL, false, &found, white, &err) && !found,
+        CHECK(responds(&cube, NULL, false, &seen, &err) && !seen.has_white,
               "%s: ultraviolet light makes no white %s", kinds[i], err.text);
-        CHECK(!responds(&cube, NULL, true, &found, white, &err) &&
-                  strstr(err.text, "has no white") != NULL,
+        CHECK(!responds(&cube, NULL, true, &seen, &err) && strstr(err.text, "has no white") != NULL,
               "%s: an adaptation to its white is refused %s", kinds[i], err.text);
-        CHECK(!responds(&cube, "lamp.csv", true, &found, white, &err) &&
+        CHECK(!responds(&cube, "lamp.csv", true, &seen, &err) &&
                   strstr(err.text, "0 at all of the stack's wavelengths") != NULL,
               "%s: it is refused as the option --white %s", kinds[i], err.text);
         cube_close(&cube);

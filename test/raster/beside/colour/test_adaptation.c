@@ -108,7 +108,6 @@ static void check_names(void)
 {
     struct adaptation adaptation;
     struct error err = {0};
-    enum display_kind display;
     for (int kind = ADAPTATION_NONE; kind <= ADAPTATION_CAT16; kind++)
         CHECK(adaptation_read("--adaptation", adaptation_names[(enum adaptation_kind)kind],
                               &adaptation, &err) &&
@@ -117,9 +116,6 @@ static void check_names(void)
     CHECK(adaptation_read("--adaptation", "fairchild:318.3", &adaptation, &err) &&
               adaptation.kind == ADAPTATION_FAIRCHILD && adaptation.luminance == 318.3,
           "its luminance is read");
-    CHECK(display_read("--display", "srgb", &display, &err) && display == DISPLAY_SRGB &&
-              display_read("--display", "monitor", &display, &err) && display == DISPLAY_MONITOR,
-          "both displays are read");
 }
 
 /* ---- displays ---- */
