@@ -321,7 +321,7 @@ static void check_refusal(const char *name, const char *what)
     cube_close(&cube);
 }
 
-/* A stack of spectral may be cut short in its object map. test_image.c cuts stacks anywhere else.
+/* A stack of spectral may be cut short in its object map. images.py cuts stacks anywhere else.
  */
 static void test_cuts(void)
 {

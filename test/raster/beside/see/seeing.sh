@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-# Tests the commands that read stacks: develop, probe, compare and view. bad.sh has command lines that are refused; test_image.c
+# Tests the commands that read stacks: develop, probe, compare and view. bad.sh has command lines that are refused; images.py
 # and test_cube.c have pictures that are no stacks, develop.py and probe.py stacks of other programs.
 . test/shared/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"
