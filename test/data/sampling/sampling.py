@@ -164,6 +164,16 @@ def check_basis():
             is_near(seen, expected, f"basis:{k} under {name}: the error is that of {k} singular vectors", magnitude)
 
 
+def check_words():
+    """plan describes a sampling in a line."""
+    for method, words in (("riemann:50", "9 wavelengths; radiances at these wavelengths only"),
+                          ("gauss:8", "8 wavelengths, 3 of 24 weights negative (-1.1 %); radiances at these wavelengths only"),
+                          ("adaptive:0.1", "5 wavelengths, 1 emission peak (546 nm); radiances at these wavelengths only"),
+                          ("rgb", "3 components; no spectra, and no fluorescence; for no detector but cie1931")):
+        said = output_of("plan", "patches", "--light", "1=gaussian:546,4", "--wavelengths", "380:780:1", "--sampling", method)
+        check(f"{method} for cie1931: {words}\n" in said, f"plan describes {method}", said)
+
+
 # ---- theory of quadrature ----
 
 def check_gauss():
@@ -286,6 +296,7 @@ check_riemann()
 check_box()
 check_three_numbers()
 check_basis()
+check_words()
 check_gauss()
 check_other_detector()
 check_fluorescence()

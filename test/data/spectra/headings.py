@@ -7,10 +7,13 @@ wavelengths (`show` prints them), or words of a refusal, where it is a reflectan
 import csv
 import io
 import os
+import re
 import subprocess
 import sys
 
-from rendered import TMP, check, done, output_of, run, write
+import numpy as np
+
+from rendered import TMP, bytes_of, check, done, output_of, pages_of, run, write, write_stack
 
 RISING = {400: 0.1, 500: 0.2, 700: 0.4}
 SCENE = "size 2 2\nwavelengths 400 700 100\nambient e 1\nmaterial m {{ diffuse {} }}\nobject plane 20 20 material m\n"
@@ -186,6 +189,25 @@ xyz = developed("xyz", [COLOURS[c] for c in "rgb"])
 for order in ("zyx", "YXZ", "yzx", ("z_bar", "x_bar", "y_bar"), "ZXY"):
     said = developed(order, [COLOURS["rgb"["xyz".index(c[0].lower())]] for c in order])
     check("observer" in said[0] and said == xyz, f"channels {', '.join(order)} are an observer's", said)
+for head, separator in (('# mine\n\n"Wavelength (nm)";"x";"y";"z"\r', ";"), ("lambda xbar ybar zbar", " "), ("nm\tx_10(2deg)\ty_10(2deg)\tz_10(2deg)", "\t"),
+                        ("nm;CIE x\u0304;CIE \u0233;CIE z\u0304", ";")):
+    lines = [head, *(separator.join(map(str, (nm, *(COLOURS[c][i] for c in "rgb")))) for i, nm in enumerate((400, 700)))]
+    write("detector.csv", "\n".join(lines) + "\n")
+    said = run("develop", f"{TMP}/patches.tif", "--detector", f"{TMP}/detector.csv", "-o", f"{TMP}/seen.png").stdout, bytes_of(f"{TMP}/seen.png")
+    check(said == xyz, f"so are those of {head!r}", said[0])
+check("observer" not in developed(("xenon", "y", "z"), [COLOURS[c] for c in "rgb"])[0], "xenon is no x")
+for name in "a:1", "a*2", "a b.csv", "0.5":
+    write(name, "nm r g b\n400 1 2 3\n")
+    result = run("develop", os.path.abspath(f"{TMP}/patches.tif"), "--detector", f"./{name}", "-o", "seen.png", cwd=TMP)
+    check(result.returncode == 0, f"a detector in a file named {name} is read", result.stderr)
+# the bands of 300 and 600 nm are 300 nm wide, those of the picture 10, 20 and 30; the sum of y is 600, which becomes 100
+write("lobed.csv", "nm,x,y,z\n300,1,3,4\n600,1,-1,4\n")
+said = output_of("develop", write_stack("uneven.tif", np.ones((3, 1, 1), np.float32), (400, 410, 440)), "--xyz", "--detector", f"{TMP}/lobed.csv",
+                 "-o", f"{TMP}/uneven-xyz.tif")
+check(np.allclose(pages_of(f"{TMP}/uneven-xyz.tif").ravel(), [10, (10 * (3 - 4 / 3) * 1 + 20 * (3 - 4 * 110 / 300) + 30 * (3 - 4 * 140 / 300)) / 6, 40]),
+      "a negative y reduces the sum", pages_of(f"{TMP}/uneven-xyz.tif").ravel())
+lost = [float(word) for word in re.findall(r"[\d.e-]+(?= %)", re.search("^unseen.*$", said, re.MULTILINE)[0])]
+check(np.allclose(lost, [90, 100 - 100 * (3 * 55 + 5) / 1200, 90], rtol=1e-4), "and counts by its size where it is not seen", lost, said)
 
 # ---- the sample that makes tables of other formats ----
 JCAMP = "##TITLE= paint\n##JCAMP-DX= 4.24\n##XUNITS= {}\n##YUNITS= {}\n##XFACTOR= {}\n##YFACTOR= {}\n##NPOINTS= {}\n{}\n##END=\n"
