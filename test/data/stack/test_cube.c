@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A stack's record of its scene, that is the lights, their white, and the object at each pixel, is
- * compared with the scene, which was written by hand. A stack whose record is damaged is refused;
- * one without a record is read like a stack of another program. develop.py and probe.py have stacks
- * of others.
- */
+/* A stack's record of its lights and their white is compared with the scene, which was written by
+ * hand. A stack whose record is damaged is refused; one without a record is read like a stack of
+ * another program. effects.py and positions.py have the object at each pixel, develop.py and
+ * probe.py stacks of others, and scenes without light. */
 #include "bytes.h"
 #include "data/base/inside.h"
 #include "data/images/images.h"
@@ -19,18 +18,14 @@
 static const char *const path = "cube.tif";
 static struct detector observer; /* cie1931 */
 
-enum kept { REFERENCE, CHECKED_GL, UNCHECKED_GL };
-
-static bool render_sampled(const char *name, enum kept kept, const char *sampling,
-                           struct error *err)
+/* Renders a scene by the reference, at its own wavelengths if sampling is NULL. */
+static bool render_sampled(const char *name, const char *sampling, struct error *err)
 {
     struct sampling_method method;
     struct scene scene = {.path = NULL};
     struct sampling taken = {.detector = NULL};
     struct plan plan = {.scene = NULL};
-    struct plan_options options = {.store_raster = kept == REFERENCE,
-                                   .use_gl = kept != REFERENCE,
-                                   .check = kept == CHECKED_GL};
+    struct plan_options options = {.store_raster = true};
     struct render_output output = {.path = path};
     struct render_result result;
     files_read_forget();
@@ -45,18 +40,17 @@ static bool render_sampled(const char *name, enum kept kept, const char *samplin
     return done;
 }
 
-/* Renders a scene, at its own wavelengths if sampling is NULL; opens its stack. */
-static bool open_rendered(const char *scene, enum kept kept, const char *sampling,
-                          struct cube *cube)
+/* Renders a scene and opens its stack. */
+static bool open_rendered(const char *scene, const char *sampling, struct cube *cube)
 {
     struct error err = {0};
-    return CHECK(render_sampled(scene, kept, sampling, &err) && cube_open(path, cube, &err),
+    return CHECK(render_sampled(scene, sampling, &err) && cube_open(path, cube, &err),
                  "%s %s: rendered and opened %s", scene, sampling ? sampling : "", err.text);
 }
 
-static bool open_scene(const char *text, enum kept kept, struct cube *cube)
+static bool open_scene(const char *text, struct cube *cube)
 {
-    return open_rendered(test_write("cube.scene", text), kept, NULL, cube);
+    return open_rendered(test_write("cube.scene", text), NULL, cube);
 }
 
 static int object_at(const struct cube *cube, int x, int y)
@@ -64,21 +58,6 @@ static int object_at(const struct cube *cube, int x, int y)
     struct error err = {0};
     int object = -2;
     return cube_objects(cube, x, y, 1, &object, &err) ? object : -3;
-}
-
-/* Counts pixels whose object, read in a row or alone, is not the expected one; NULL: unknown. */
-static int count_wrong(const struct cube *cube, int (*expected)(int x, int y))
-{
-    const int width = cube->image.width;
-    struct error err = {0};
-    int wrong = 0, row[64];
-    for (int i = 0; i < width * cube->image.height; i++) {
-        const int x = i % width, y = i / width, object = expected ? expected(x, y) : -1;
-        if (x == 0 && !cube_objects(cube, 0, y, width, row, &err))
-            return -1;
-        wrong += row[x] != object || object_at(cube, x, y) != object;
-    }
-    return wrong;
 }
 
 /* ---- white ---- */
@@ -116,7 +95,7 @@ static void test_mean(void)
     if (!open_scene("wavelengths 400 800 100\n" PLANE "material paint { diffuse 0.5 }\n"
                     "light lamp.csv 3 direction 0 0 1\nambient 2 4\n"
                     "light 0.25*2 1 position 0 0 9\n",
-                    REFERENCE, &cube))
+                    &cube))
         return;
     check_white(&cube, NULL, mean, "a scene has two lights and an ambient one");
     check_white(&cube, "lamp.csv*2", lamp, "the command line adds a spectrum");
@@ -132,89 +111,6 @@ static void test_mean(void)
     check_no_white(&cube, "", "expected one line");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
     cube_close(&cube);
-    cube_close(&cube);
-}
-
-static void test_dark(void)
-{
-    const char *const scenes[] = {
-        "wavelengths 500 500 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n",
-        "wavelengths 500 500 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
-        "light d65 0 direction 0 0 1\n",
-        "wavelengths 900 900 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
-        "light d65 1 direction 0 0 1\n"};
-    for (int i = 0; i < 3; i++) {
-        const double one = 1;
-        struct cube cube;
-        if (!open_scene(scenes[i], REFERENCE, &cube))
-            return;
-        CHECK(cube.record.white.n == 0 && record_illumination(&cube.record) == 0,
-              "a scene without light has no white");
-        CHECK(cube.record.lights.n == (i > 0), "the record lists a light even if it adds no light");
-        check_no_white(&cube, NULL, "has no white");
-        check_white(&cube, "1", &one, "a white of the command line");
-        cube_close(&cube);
-    }
-}
-
-/* ---- the object map ---- */
-
-/* Ten pixels a unit: three squares; the last one hides a part of the first. */
-static int square_at(int x, int y)
-{
-    if (x >= 10 && x < 20 && y >= 5 && y < 15)
-        return 3;
-    if (x >= 5 && x < 15 && y >= 5 && y < 15)
-        return 1;
-    return x >= 25 && x < 35 && y >= 0 && y < 10 ? 2 : 0;
-}
-
-static void test_squares(enum kept kept)
-{
-    static const char *const who[] = {"the reference draws", "OpenGL is checked",
-                                      "nobody checks OpenGL, and then there is no map"};
-    struct cube cube;
-    if (!open_scene("wavelengths 400 700 100\nsize 40 20\ncamera ortho 4\n"
-                    "light d65 1 direction 0 0 1\n"
-                    "material red { diffuse 0.5 }\nmaterial blue { diffuse 0.25 }\n"
-                    "object plane 1 1 material red translate -1 0 0\n"
-                    "object plane 1 1 material blue translate 1 0.5 0\n"
-                    "object plane 1 1 material red translate -0.5 0 1\n",
-                    kept, &cube))
-        return;
-    const int wrong = count_wrong(&cube, kept == UNCHECKED_GL ? NULL : square_at);
-    CHECK(wrong == 0, "the map is right where %s: %d pixels are wrong", who[kept], wrong);
-    CHECK(cube.record.objects.n == (kept == UNCHECKED_GL ? 0 : 3), "the record lists every object");
-    if (cube.record.objects.n == 3) {
-        CHECK_TEXT(cube.record.objects.text[1], "blue", "an object is named after its material");
-        CHECK_TEXT(cube.record.objects.text[2], cube.record.objects.text[0],
-                   "two objects may share a name");
-    }
-    cube_close(&cube);
-}
-
-enum { COLUMNS = 20, ROWS = 15 };
-
-static int number_at(int x, int y)
-{
-    return y * COLUMNS + x + 1;
-}
-
-/* One object a pixel: their numbers take two bytes. */
-static void test_many(void)
-{
-    static char text[COLUMNS * ROWS * 80];
-    struct cube cube;
-    char *at = text + sprintf(text, "wavelengths 500 500 1\nsize 20 15\ncamera ortho 20\n"
-                                    "light d65 1 direction 0 0 1\nmaterial a { diffuse 0.5 }\n");
-    for (int i = 0; i < COLUMNS * ROWS; i++)
-        at += sprintf(at, "object plane 1 1 material a translate %.1f %.1f 0\n",
-                      i % COLUMNS - COLUMNS / 2 + 0.5, ROWS / 2.0 - i / COLUMNS - 0.5);
-    if (!open_scene(text, REFERENCE, &cube))
-        return;
-    CHECK(count_wrong(&cube, number_at) == 0, "%d objects are distinguished", COLUMNS * ROWS);
-    CHECK(cube.record.objects.n == COLUMNS * ROWS && cube.record.map_bytes == 2,
-          "the numbers take two bytes");
     cube_close(&cube);
 }
 
@@ -270,7 +166,7 @@ static void test_forged(void)
     char offset[64], more[64];
     if (!open_scene("wavelengths 400 700 100\n" PLANE
                     "material paint { diffuse 0.5 }\nlight d65 1 direction 0 0 1\n",
-                    REFERENCE, &cube))
+                    &cube))
         return;
     CHECK(object_at(&cube, 1, 1) == 1, "a pixel's object is read");
     const unsigned long long at = cube.record.map_offset;
@@ -327,7 +223,7 @@ static void test_cuts(void)
 {
     struct error err = {0};
     struct cube cube;
-    if (!open_rendered("cube.scene", REFERENCE, NULL, &cube))
+    if (!open_rendered("cube.scene", NULL, &cube))
         return;
     const off_t pixels = (off_t)cube.record.map_offset;
     cube_close(&cube);
@@ -349,7 +245,7 @@ static void test_cuts(void)
 static bool open_sampled(const char *sampling, struct cube *cube)
 {
     test_write("lamp.csv", "380,1\n730,4\n");
-    return open_rendered(test_write("cube.scene", LAMP_SCENE), REFERENCE, sampling, cube);
+    return open_rendered(test_write("cube.scene", LAMP_SCENE), sampling, cube);
 }
 
 /* A fixed sampling records its white exactly: the detector's sum at 1 nm. */
@@ -505,7 +401,7 @@ static void test_unseen(void)
         bool found = true;
         struct cube cube;
         struct error err;
-        if (!open_rendered("cube.scene", REFERENCE, kinds[i], &cube))
+        if (!open_rendered("cube.scene", kinds[i], &cube))
             continue;
         CHECK(responds(&cube, NULL, false, &found, white, &err) && !found,
               "%s: ultraviolet light makes no white %s", kinds[i], err.text);
@@ -525,11 +421,6 @@ int main(void)
     test_enter();
     test_need(detector_read("cie1931", &observer, &err), err.text);
     test_mean();
-    test_dark();
-    test_squares(REFERENCE);
-    test_squares(CHECKED_GL);
-    test_squares(UNCHECKED_GL);
-    test_many();
     test_forged();
     test_stray();
     test_cuts();
