@@ -56,6 +56,8 @@ small="--size 40x30 --wavelengths 400:700:50"
         [ $? = 3 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ -z "$(ls -A "$tmp/limited")" ]
         ok $? "${command%% *}: a limit on the size of files is a failure of the system, and leaves no file"
     done
+    exits 3 "a device's copy needs the folder TMPDIR" env TMPDIR="$tmp/none" "$SPECTRAL" show d65 -o /dev/null
+    exits 0 "a long name gets a temporary file" "$SPECTRAL" show d65 -o "$tmp/$(printf %0250d 0)"
     exits 3 "JSON to a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full
     exits 2 "bad input leaves an old output alone" \
