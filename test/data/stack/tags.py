@@ -9,7 +9,7 @@ import xml.etree.ElementTree as tree
 import numpy as np
 import tifffile
 
-from rendered import check, done, path_of, reference, write
+from rendered import check, done, reference, write
 
 OME = "{http://www.openmicroscopy.org/Schemas/OME/2016-06}"
 NM = [300, 305, 452.5, 760]
