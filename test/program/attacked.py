@@ -253,8 +253,9 @@ class Place:
         found = {}
         for name in os.listdir(self.path("out")):
             if os.path.isdir(self.path("out", name)):
-                found[f"out/{name}/"] = b"".join(rendered.bytes_of(os.path.join(top, inner)) for top, _, inside in
-                                                 sorted(os.walk(self.path("out", name))) for inner in sorted(inside))
+                whole = b"".join(rendered.bytes_of(os.path.join(top, inner)) for top, _, inside in sorted(os.walk(self.path("out", name)))
+                                 for inner in sorted(inside))
+                found[f"out/{name}/"] = whole.replace(os.path.realpath(self.folder).encode(), b"")
                 continue
             with open(self.path("out", name), "rb") as file:
                 found["out/" + name] = file.read()
