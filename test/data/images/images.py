@@ -297,8 +297,8 @@ def refused_pages():
             ("an offset", grey, {}, items(offset(-1))))):
         by_tifffile(f"page{i}", [samples], [list(tags)], **{"photometric": "minisblack", **options})
         refused(f"page{i}.tif", what)
-    for name, other, what, tags in (("bands_wide", byte, "page 2: it has 37x29x8 bits, the first page 37x29x16", ((), ())),
-                                    ("bands_narrow", grey[:, 1:], "page 2: it has 36x29x16 bits", ((), ())),
+    for name, other, what, tags in (("bands_wide", byte, "page 2 (500 nm): it has 37x29x8 bits, the first page 37x29x16", ((), ())),
+                                    ("bands_narrow", grey[:, 1:], "page 2 (500 nm): it has 36x29x16 bits", ((), ())),
                                     ("bands_scaled", grey, "page 2 (500 nm): its scale is not positive, or not that", (items(scale(1)), items(scale(2))))):
         by_tifffile(name, [grey, other], [[named("400 nm"), *tags[0:1] * bool(tags[0])], [named("500 nm"), *tags[1:] * bool(tags[1])]])
         refused(f"{name}.tif", what)

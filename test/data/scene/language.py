@@ -3,7 +3,7 @@
 # level: first; packages: python3-numpy python3-tifffile
 """Two texts give the same picture by the reference, where the second says in the plainest words what a scene, a material file, an MTL
 file or a map leaves out, or says in another way; manual.sh has the defaults of the manual. effects.py and brute.py compute the
-pictures of plain words once more; test/cases/bad has what is refused. Prints TAP."""
+pictures of plain words once more; test/cases/bad has refused ones. Prints TAP."""
 import json
 import os
 
@@ -144,8 +144,8 @@ write("lamps.scene", LAMPS)
 write("matt.v2.txt", "# nothing\n\n  400 0.25 # end\r\n700\t0.75")
 write("matt.csv", "400,0.25\n700,0.75\n")
 write("full.txt", 'g 128\ns 400 0\n400 1\ns 700 1\nf 400 2 0\nf 600 0 3\nT "my wood.tif"\n700 0\n')
-write("pair.txt", "400 0.5\ng 10\nmr 400 0.25\nMG 20\nmS 400 0.75\nmf 400 1 1\n")
-for file, text in (("down", "400,1\n700,0\n"), ("up", "400,0\n700,1\n"), ("ex", "400,2\n600,0\n"), ("em", "400,0\n600,3\n"), ("one", "400,1\n"),
+write("pair.txt", "500 0.5\ng 10\nmr 500 0.25\nMG 20\nmS 500 0.75\nmf 500 1 1\n")
+for file, text in (("down", "400,1\n700,0\n"), ("up", "400,0\n700,1\n"), ("ex", "400,2\n600,0\n"), ("em", "400,0\n600,3\n"), ("one", "500,1\n"),
                    ("blue", "300,1\n480,1\n500,0\n900,0\n")):
     write(f"{file}.csv", text)
 tifffile.imwrite(os.path.join(TMP, "my wood.tif"), np.arange(64, dtype=np.uint8).reshape(8, 8) * 4)

@@ -25,7 +25,7 @@ FORGED = ((MAP, b"object_map: %d 1" % (AT + 1), 0, "own"), (MAP, b"object_map: 9
 
 
 def probed(content, x=1, y=1):
-    """What probe finds in such a file; None: it is refused. And its message."""
+    """The JSON that probe gives of such a file, None if it is refused, and the message."""
     with open(path_of("forged.tif"), "wb") as out:
         out.write(content)
     result = run("probe", path_of("forged.tif"), x, y, "--json", "-")

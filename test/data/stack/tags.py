@@ -45,17 +45,18 @@ def first_page(tiff, labels, has_nm):
           [(label, label.removesuffix(" nm") if has_nm else None) for label in labels], [one.attrib for one in channels])
     holds("the scene's name is in it, whatever its characters", any(one.get("Name", "").endswith('a<b>&"c".scene') for one in root.iter()),
           page.description[:400])
-    holds("so are the full scale and the renderer", re.search(r"^full_scale: \S+$", page.description, re.MULTILINE) and
+    holds("so are the full scale and the renderer", re.search(r"<Description>full_scale: \S+\n", page.description) and
           "\nrenderer: raster\n" in page.description)
     holds("the software has its name, and 65111 the verdict", page.tags["Software"].value.startswith("spectral ") and page.tags[65111].value.strip())
     holds("65000 has all wavelengths, or is not there", np.allclose(page.tags[65000].value, NM[:len(tiff.pages)] if len(labels) > 1 else 555, rtol=1e-7)
           if has_nm else 65000 not in page.tags)
-    holds("ImageJ's labels are those of the channels", page.tags[50839].value["Labels"] == labels)
+    holds("ImageJ's labels are those of the channels", np.atleast_1d(page.tags[50839].value["Labels"]).tolist() == labels)
     holds("tifffile takes the pages for one stack", len(tiff.series) == 1 and tiff.series[0].shape[-2:] == (5, 7), tiff.series)
 
 
 def later_page(tiff, full_scale):
-    tags, page = tiff.pages[2].tags, tiff.pages[2]
+    page = tiff.pages[2].aspage()
+    tags = page.tags
     holds("page 2 has its wavelength as description, and as name", page.description == "wavelength_nm=452.5" and tags["PageName"].value == "452.5 nm")
     holds("it is page 2 of 4, one of several, and has no orientation", tags["PageNumber"].value == (2, 4) and
           tags["NewSubfileType"].value == 2 and 274 not in tags)

@@ -82,7 +82,7 @@ scene metals/gold 'material m gold' 'object sphere 1 9 9 material m'
 scene checks 'material m { diffuse 1 texture checks.tif }' 'object plane 1 1 material m' "$light"
 scene sheep 'material m { diffuse 1 }' 'object mesh sheep.obj material m'
 scene colorchecker 'checker colorcheker sphere 1 9 9'
-for word in li xy; do # letters that begin too many words, or of which a half differ
+for word in li xy; do # two letters begin too many words; a half of the letters differ
     echo "$word 1" >"$tmp/my.scene"
     run "$SPECTRAL" plan "$tmp/my.scene"
     [ "$status" = 2 ] && ! grep -q 'did you mean' "$tmp/err"
