@@ -43,9 +43,11 @@ object sphere 1 12 12 material gold translate -1.5 1 0
 """,
     "mesh.scene": HEAD + """material wall { diffuse 0.7 spectral-texture foreign.tif linear }
 material cloth { diffuse cloth.csv specular 0.05 gloss 40 }
+material card { diffuse set.ti3:A2 texture card.png linear }
 object plane 20 20 material wall rotate -90 1 0 0
 object mesh roof.obj materials roof.map crease 30 translate 1.5 1 0
 object mesh roof.obj material cloth translate -1.5 1 0
+object sphere 0.6 8 6 material card translate 0 2 2
 """,
     "glow.scene": HEAD + """include more.scene
 material glowing { diffuse 0.2 donaldson dye.csv }
@@ -64,6 +66,8 @@ object plane 8 8 material grey
     "own.list": "metals/copper\ncolorchecker/15-red\n",
     "cloth.csv": "nm,reflectance\n400,0.1\n550,0.4\n700,0.3\n",
     "dye.csv": "nm,380,420\n480,0.05,0.02\n520,0.10,0.08\n",
+    "set.ti3": "CTI3\nBEGIN_DATA_FORMAT\nSAMPLE_ID SPEC_400 SPEC_700\nEND_DATA_FORMAT\nBEGIN_DATA\nA1 0.2 0.3\nA2 0.4 0.5\nEND_DATA\n",
+    "camera.csv": "nm,r,g,b\n400,0,0.1,0.9\n700,0.2,0,0\n",
     "roof.obj": "v -1 0 1\nv 1 0 1\nv 1 1 0\nv -1 1 0\nv 1 0 -1\nv -1 0 -1\n"
                 "usemtl red\nf 1 2 3 4\nusemtl other\nf 4 3 5 6\n",
     "roof.map": "red mtl roof.mtl\n* material cloth\n",
@@ -89,7 +93,8 @@ def make_inputs(folder):
         # the scene's path stays true when the program makes the stack again
         subprocess.run([SPECTRAL, "render", *("in/" + words).split(), "-q", "-o", "in/" + name],
                        cwd=os.path.dirname(folder), check=True)
-    subprocess.run([SPECTRAL, "export", "in/plain.scene", "--full-scale", "4", "-o", "in/room"], cwd=os.path.dirname(folder), check=True)
+    for words in "develop in/stack.tif -q -o in/card.png", "export in/plain.scene --full-scale 4 -o in/room":
+        subprocess.run([SPECTRAL, *words.split()], cwd=os.path.dirname(folder), check=True)
     draw_from(*(os.path.join(folder, name) for name in ("room", "exact.tif", "room")))
 
 
@@ -97,11 +102,16 @@ def make_inputs(folder):
 
 # nameless: on a file system that cannot keep files without a name. uses_egl: the loader of EGL's drivers gives up where a
 # signal interrupts it; the program's handlers do not return, so that none does.
-Form = collections.namedtuple("Form", "name words outputs slow uses_gl uses_egl nameless", defaults=((), *[False] * 4))
+Form = collections.namedtuple("Form", "name words outputs slow uses_egl nameless", defaults=((), *[False] * 3))
 
 
-def form(name, words, *outputs, slow=False, uses_gl=False, uses_egl=False):
-    return Form(name, words.split(), tuple("out/" + output for output in outputs), slow, uses_gl, uses_egl)
+def form(name, words, *outputs, slow=False, uses_egl=False):
+    return Form(name, words.split(), tuple("out/" + output for output in outputs), slow, uses_egl)
+
+
+def files_of(a_form):
+    """The outputs but for a folder, which is new."""
+    return [output for output in a_form.outputs if not output.endswith("/")]
 
 
 def on_old_file_systems(a_form):
@@ -110,20 +120,21 @@ def on_old_file_systems(a_form):
 
 
 FORMS = [
-    form("render", "render in/plain.scene -o out/a.tif", "a.tif", uses_gl=True),
+    form("render", "render in/plain.scene -o out/a.tif", "a.tif"),
     form("render, all outputs", "render in/plain.scene -o out/a.tif --renderer raster --json out/a.json --check-map out/map.tif "
-         "-v", "a.tif", "a.json", "map.tif", uses_gl=True),
-    form("render, meshes", "render in/mesh.scene -o out/a.tif --check-map out/map.png -q", "a.tif", "map.png", uses_gl=True),
-    form("render, fluorescence", "render in/glow.scene -o out/a.tif --depth 32f --json -", "a.tif", uses_gl=True),
+         "-v", "a.tif", "a.json", "map.tif"),
+    form("render, meshes", "render in/mesh.scene -o out/a.tif --check-map out/map.png -q", "a.tif", "map.png"),
+    form("render, fluorescence", "render in/glow.scene -o out/a.tif --depth 32f --json -", "a.tif"),
     form("render, raster alone", "render in/mesh.scene --renderer raster --no-check -o out/a.tif", "a.tif"),
     form("render, sampled", "render in/glow.scene --renderer raster --no-check --sampling basis:3 -o out/a.tif -q", "a.tif"),
     form("render to standard output", "render in/glow.scene --renderer raster --no-check -o - -q"),
     form("render, writes nothing", "render in/plain.scene --renderer raster --no-check -o /dev/null --json -"),
     form("render --again", "render --again in/stack.tif -o out/again.tif", "again.tif"),
-    form("render, shaders", "render in/plain.scene --renderer gl-shader -o out/a.tif", "a.tif", uses_gl=True, uses_egl=True),
+    form("render, shaders", "render in/plain.scene --renderer gl-shader -o out/a.tif", "a.tif", uses_egl=True),
     form("join", "join in/part.tif -o out/a.tif", "a.tif"),
     form("judge", "judge in/room --json out/a.json --check-map out/map.tif", "a.json",
          "map.tif"),
+    form("export", "export in/glow.scene -o out/room", "room/"),
     form("plan", "plan in/mesh.scene"),
     form("plan --json", "plan in/glow.scene --json out/plan.json", "plan.json"),
     form("develop", "develop in/stack.tif -o out/a.png --adaptation cat16 --json out/a.json", "a.png", "a.json"),
@@ -131,7 +142,9 @@ FORMS = [
     form("develop, XYZ", "develop in/other.tif --xyz -o out/a.tif -q", "a.tif"),
     form("develop, foreign", "develop in/foreign.tif --white d65 -o out/a.png", "a.png"),
     form("develop to standard output", "develop in/foreign.tif --white d65 -o - -q"),
+    form("develop for a camera", "develop in/stack.tif --raw --detector in/camera.csv -o out/a.tif -q", "a.tif"),
     form("probe", "probe in/stack.tif 3 3 4 2"),
+    form("probe, objects", "probe in/stack.tif --objects --csv -o out/a.csv", "a.csv"),
     form("probe, CSV", "probe in/other.tif 3 3 --csv -o out/a.csv", "a.csv"),
     form("probe, plot", "probe in/stack.tif 3 3 --svg -o out/a.svg", "a.svg"),
     form("probe, scene", "probe in/glow.scene 3 3"),
@@ -139,14 +152,18 @@ FORMS = [
     form("compare", "compare in/stack.tif in/other.tif --map out/map.tif --json out/a.json", "map.tif", "a.json"),
     form("compare, foreign", "compare in/foreign.tif in/stack.tif --white d65 --map out/map.png", "map.png"),
     form("cost", "cost in/tiny.scene --gl osmesa -q -j 1 --json out/cost.json --csv out/cost.csv --svg out/cost.svg",
-         "cost.json", "cost.csv", "cost.svg", slow=True, uses_gl=True),
+         "cost.json", "cost.csv", "cost.svg", slow=True),
     form("view", "view in/plain.scene -o out/a.html", "a.html"),
     form("view, picture", "view in/glow.scene -o out/a.png", "a.png"),
+    form("view, stack", "view in/stack.tif -o out/a.html", "a.html"),
     form("info", "info in/stack.tif"),
+    form("info, texture", "info in/card.png"),
     form("info --json", "info in/basis.tif --json out/a.json", "a.json"),
     form("info, foreign", "info in/foreign.tif"),
     form("envi", "envi in/stack.tif -o out/a.hdr", "a.hdr"),
     form("list", "list"),
+    form("list, set", "list in/set.ti3"),
+    form("show, spectra", "show in/cloth.csv in/set.ti3:A1 --csv -o out/a.csv", "a.csv"),
     form("show", "show room -o out/room.scene", "room.scene"),
     form("show to standard output", "show d65"),
     form("--help", "--help"),
@@ -190,7 +207,7 @@ class Place:
                 shutil.rmtree(self.path(name, left), ignore_errors=True)
                 if os.path.lexists(self.path(name, left)):
                     os.remove(self.path(name, left))
-        for output in a_form.outputs if older else ():
+        for output in files_of(a_form) if older else ():
             with open(self.path(output), "wb") as out:
                 out.write(OLDER)
 
@@ -236,7 +253,9 @@ class Place:
         found = {}
         for name in os.listdir(self.path("out")):
             if os.path.isdir(self.path("out", name)):
-                found[f"out/{name}/"] = b""
+                whole = b"".join(rendered.bytes_of(os.path.join(top, inner)) for top, _, inside in sorted(os.walk(self.path("out", name)))
+                                 for inner in sorted(inside))
+                found[f"out/{name}/"] = whole.replace(os.path.realpath(self.folder).encode(), b"")
                 continue
             with open(self.path("out", name), "rb") as file:
                 found["out/" + name] = file.read()
@@ -310,7 +329,7 @@ def faults(a_form, run, expected, older, naming=False):
 
 def faults_of_refusal(a_form, run, expected, older, naming):
     found = set()
-    before = {output: OLDER for output in a_form.outputs} if older else {}
+    before = dict.fromkeys(files_of(a_form), OLDER) if older else {}
     for output in a_form.outputs:
         data = run.files.get(output)
         whole = naming and data is not None and normal(a_form, output, data) == expected[3].get(output)

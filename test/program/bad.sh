@@ -47,7 +47,9 @@ refuses_each matrices
 scene='include patches'
 refuses_each detectors --sampling box:2 --detector "$(realpath "$tmp")/detectors"
 
-none=$tmp/none stack=$tmp/stack.tif cut=$tmp/cut.tif dark=$tmp/dark.tif two=$tmp/two.scene empty=$tmp/empty.scene
+none=$tmp/none stack=$tmp/stack.tif cut=$tmp/cut.tif dark=$tmp/dark.tif two=$tmp/two.scene empty=$tmp/empty.scene link=$tmp/link even=$tmp/even.scene
+ln -s missing "$link"
+printf '%s\n' 'light d65 1 direction 0 0 1' 'material m { diffuse 0.5 }' 'object plane 1 1 material m' >"$even"
 "$SPECTRAL" render patches --size 60x40 --wavelengths 400:700:100 -q -o "$stack"
 "$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -q -o "$dark"
 head -c 9000 "$stack" >"$cut"

@@ -9,19 +9,9 @@ import os
 import shutil
 import sys
 
-from sanitized import SMALL, TMP, finding, prepare, run, tables
+from sanitized import SLOW, TMP, WORDS, finding, prepare, run, tables
 from tap import check, done
 
-# The words that let a command come to its outputs quickly.
-WORDS = {"render": [["patches", *SMALL]], "develop": [["stack.tif"], ["stack.tif", "--xyz"], ["stack.tif", "--raw"]],
-         "probe": [["stack.tif", "3", "3"], ["patches", "3", "3", *SMALL], ["stack.tif", "3", "3", "--svg"]],
-         "compare": [["stack.tif", "other.tif", "--tolerance", "100%"]],
-         "view": [["patches", *SMALL], ["stack.tif"]], "plan": [["patches", *SMALL]],
-         "cost": [["patches", "--size", "8x6", "--wavelengths", "500:600:50"]], "verify": [["patches"]],
-         "info": [["stack.tif"], ["picture.tif"]], "list": [["scenes"]], "show": [["patches"], ["d65"], ["d65", "--svg"]],
-         "join": [["part.tif"]], "envi": [["stack.tif"]], "drivers": [[]], "export": [["patches", *SMALL]],
-         "judge": [["exported", "patches", *SMALL]]}
-SLOW = "cost", "verify", "drivers"  # some names are enough
 NAMES = ["page", "-", "page.xyz", "PAGE.PNG", "PAGE.HTML", "PAGE.TIF", "page.", ".png", ".", "folder", "folder/", "missing/page.tif",
          "", "stack.tif", "builtin:page.png", "/dev/null", "/dev/full", "/dev/stdout", "page.planes", "page.json"]
 

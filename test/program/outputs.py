@@ -11,20 +11,10 @@ import os
 import shutil
 import subprocess
 
-from rendered import check, done, output_of, path_of, run, write
-from sanitized import tables
+import sanitized
+from rendered import SPECTRAL, check, done, path_of, run
+from sanitized import SLOW, WORDS
 
-SMALL = "--size", "6x4", "--wavelengths", "500:600:50"
-# The words that let a command come to its outputs quickly. A command may write in several forms.
-WORDS = {"render": [["patches", *SMALL, "-q"]],
-         "develop": [["STACK"], ["STACK", "--raw", "--detector", "cie1931"]],
-         "probe": [["STACK", "3", "3"], ["patches", "3", "3", *SMALL], ["STACK", "--objects", "--csv"], ["STACK", "3", "3", "--svg"],
-                   ["STACK", "1", "1", "--against", "3", "3"]],
-         "compare": [["STACK", "OTHER", "--tolerance", "100%"]], "view": [["patches", *SMALL], ["STACK"]], "plan": [["patches", *SMALL]],
-         "cost": [["tiny.scene", "--size", "4x3", "--wavelengths", "500", "-q"]], "verify": [["tiny.scene", "-q"]],
-         "info": [["STACK"]], "list": [["scenes"]], "show": [["patches"], ["d65", "--csv"]], "join": [["PART"]], "envi": [["STACK"]],
-         "drivers": [[]], "export": [["patches", *SMALL]], "judge": [["FOLDER", "-q"]]}
-SLOW = "cost", "verify", "drivers"  # files alone, in level full
 ENDINGS = {"STACK.tif": ".tif", "PICTURE.png": ".png", "PAGE.html": ".html", "FILE.hdr": ".hdr", "--check-map": ".png", "--map": ".tif",
            "--maps": ".tif"}
 FORMS = "file", "-", "/dev/stdout", "folder", "fifo"
@@ -66,7 +56,7 @@ def fault_of(command, words, options, forms):
     named = [value_of(option, form, folder) for option, form in zip(options, forms)]
     readers = [subprocess.Popen(["timeout", "60", "cat", path], stdout=open(path + ".read", "wb"))
                for (_, path), form in zip(named, forms) if form == "fifo"]
-    line = [command, *(FILES.get(word, word) for word in words)]
+    line = [command, *(os.path.abspath(path_of(word)) if os.path.exists(path_of(word)) else word for word in words)]
     for option, (value, _) in zip(options, named):
         line += [option["names"][-1], value]
     result = run(*line, text=False, cwd=folder)  # where outputs without a name appear
@@ -106,16 +96,10 @@ def trials(command, options):
 
 
 def main():
-    commands = tables()
+    commands = sanitized.tables()
     check(set(commands) == set(WORDS), "this test has words for each command", set(commands) ^ set(WORDS))
-    for name in ("stack", "other"):
-        output_of("render", "patches", *SMALL, "-q", "-o", path_of(name + ".tif"))
-    output_of("render", "patches", *SMALL, "-q", "--part", "1/1", "-o", path_of("part.tif"))
-    write("tiny.scene", output_of("show", "patches"))
-    shutil.rmtree(path_of("exported"), ignore_errors=True)
-    output_of("export", "patches", *SMALL, "-o", path_of("exported"))
-    FILES.update({word: os.path.abspath(path_of(name)) for word, name in (
-        ("STACK", "stack.tif"), ("OTHER", "other.tif"), ("PART", "part.tif"), ("FOLDER", "exported"), ("tiny.scene", "tiny.scene"))})
+    sanitized.PROGRAM = os.path.abspath(SPECTRAL)
+    sanitized.prepare()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for command, (_, options) in commands.items():
             writing = [option for option in options if option["writes"]]
@@ -125,5 +109,4 @@ def main():
     done()
 
 
-FILES = {}
 main()

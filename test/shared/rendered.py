@@ -145,6 +145,19 @@ def render(scene, *words, stack="stack.tif", worst=0, **options):
     return json.loads(result.stdout)
 
 
+def judged(path, *options, program=SPECTRAL, **environment):
+    """The exit status, the report and the message of a render that keeps no stack."""
+    result = run("render", path, "-o", "/dev/null", "--quiet", "--json", "-", *options, program=os.path.abspath(program), **environment)
+    return result.returncode, json.loads(result.stdout) if result.returncode < 2 else None, result.stderr
+
+
+def stack_of(path, *options):
+    """The samples of a scene as they are stored."""
+    result = run("render", path, "-o", path_of("stack.tif"), "--quiet", "--keep", *options)
+    check(result.returncode == 0, f"{os.path.basename(path)} {' '.join(options)} is drawn", result.stderr)
+    return tifffile.imread(path_of("stack.tif"))
+
+
 def refuses(what, pattern, *words, status=2, absent=None, **options):
     """Checks that the program refuses the words: its exit status, and one line with the pattern; no output, if it is bad usage."""
     result = run(*words, **options)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Helps scripts that run the program under sanitizers: the tables of commands and options, files for them to read, and
-runs that separate findings from refusals."""
+"""Helps scripts that run each command of the program, most under sanitizers: the tables of commands and options, files for
+them to read, and runs that separate findings from refusals."""
 import os
 import re
 import resource
@@ -56,6 +56,16 @@ def finding(status, errors):
 
 
 SMALL = "--size", "16x12", "--wavelengths", "500:600:50"
+# The words that let a command come to its outputs quickly, with the files below. A command may write in several forms.
+WORDS = {"render": [["patches", *SMALL, "-q"], ["patches", *SMALL, "-q", "--envi"]],
+         "develop": [["stack.tif"], ["stack.tif", "--xyz"], ["stack.tif", "--raw", "--detector", "cie1931"]],
+         "probe": [["stack.tif", "3", "3"], ["patches", "3", "3", *SMALL], ["stack.tif", "--objects", "--csv"], ["stack.tif", "3", "3", "--svg"],
+                   ["stack.tif", "1", "1", "--against", "3", "3"]],
+         "compare": [["stack.tif", "other.tif", "--tolerance", "100%"]], "view": [["patches", *SMALL], ["stack.tif"]],
+         "plan": [["patches", *SMALL]], "cost": [["my.scene", "--size", "4x3", "--wavelengths", "500", "-q"]], "verify": [["my.scene", "-q"]],
+         "info": [["stack.tif"], ["picture.tif"]], "list": [["scenes"]], "show": [["patches"], ["d65", "--csv"], ["d65", "--svg"]],
+         "join": [["part.tif"]], "envi": [["stack.tif"]], "drivers": [[]], "export": [["patches", *SMALL]], "judge": [["exported", "-q"]]}
+SLOW = "cost", "verify", "drivers"
 
 
 def prepare():

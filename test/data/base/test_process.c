@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A job in a process of its own returns its result or its failure. Whatever ends a guarded process,
  * the user gets an exit status that the command itself gave, or 3 and one line, and no file is left
- * that the guard knows. */
+ * that the guard knows. kills.py looks for processes that go on. */
 #include <signal.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -223,36 +223,6 @@ static void signals(void)
     }
 }
 
-static bool lingers(void *context, void *out, struct error *err)
-{
-    (void)context, (void)out, (void)err;
-    works_on(10);
-    return true;
-}
-
-/* The pipe ends when the last process that holds it has ended. */
-static void orphan(int number)
-{
-    int ends[2];
-    char byte;
-    CHECK(pipe(ends) == 0, "a pipe is made");
-    fflush(stdout);
-    const double start = clock_seconds();
-    const pid_t child = fork();
-    if (child == 0) {
-        guard_begin();
-        process_run(lingers, NULL, NULL, 0, &(struct error){.status = EXIT_AGREED});
-        _exit(99);
-    }
-    rest(50);
-    kill(child, number);
-    waitpid(child, NULL, 0);
-    close(ends[1]);
-    CHECK(read(ends[0], &byte, 1) == 0 && clock_seconds() - start < 5,
-          "where a process ends by %s, the job that it waits for ends with it", strsignal(number));
-    close(ends[0]);
-}
-
 int main(int argc, char **argv)
 {
     if (argc > 1)
@@ -262,7 +232,5 @@ int main(int argc, char **argv)
     programs();
     ends();
     signals();
-    orphan(SIGKILL);
-    orphan(SIGTERM);
     return test_end();
 }

@@ -1,10 +1,10 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: first
+# level: first; packages: python3-numpy python3-tifffile; makes: command_table
 """No output replaces an input. Goes through every command, every option of it that takes a value, and every file that the
 command reads, with that file as the value of the option; also under other names of the file. Commands and options come from
---help, so that a new one cannot be forgotten. Whatever the program answers, no input may have changed, and a command that
-succeeds has written nothing there. Then the command lines that once destroyed an input.
+the program's own table, so that a new one cannot be forgotten. Whatever the program answers, no input may have changed, and
+a command that succeeds has written nothing there. Then the command lines that once destroyed an input.
 Prints TAP, and the number of combinations."""
 import itertools
 import os
@@ -12,11 +12,12 @@ import re
 import shutil
 import subprocess
 
+import rendered
+from sanitized import TMP, tables
 from tap import check, done
 
-SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))
+SPECTRAL = os.path.abspath(rendered.SPECTRAL)
 FULL = "FULL" in os.environ
-TMP = os.path.abspath(os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "spared"))
 SCENE = """size 8 6
 wavelengths 500 600 50
 camera ortho 4
@@ -78,22 +79,6 @@ def make(folder):
             out.write(contents)
 
 
-def commands():
-    said = subprocess.run([SPECTRAL, "--help"], capture_output=True, text=True, check=True).stdout
-    return sorted({line.split()[0] for line in said.splitlines() if re.match(r"  [a-z]+ ", line)} - {"--help"})
-
-
-def options(command):
-    """The long names of options that take a value."""
-    said = subprocess.run([SPECTRAL, command, "--help"], capture_output=True, text=True, check=True).stdout
-    found = []
-    for line in said.splitlines():
-        names = re.match(r"  ((?:-\w, )?--[\w-]+(?:, --[\w-]+)*)( \S+)?", line)
-        if names and names.group(2):
-            found.append(re.findall(r"--[\w-]+", names.group(1))[-1])
-    return found
-
-
 def contents(folder):
     found = {}
     for name in os.listdir(folder):
@@ -138,13 +123,13 @@ def quick(command):
 
 def main():
     place = Place()
-    known = commands()
-    check(set(known) == set(COMMANDS), "the test knows all commands", set(known) ^ set(COMMANDS))
+    options = {command: [row["names"][-1] for row in rows if row["value"]] for command, (_, rows) in tables().items()}
+    check(set(options) == set(COMMANDS), "the test knows all commands", set(options) ^ set(COMMANDS))
     for command, words, read in [(name, *row) for name, row in sorted(COMMANDS.items())] + MORE:
         if command == "cost" and not FULL:
             read = read[:1]
         before = len(place.harmed), place.tries
-        for option, name in itertools.product(options(command), read):
+        for option, name in itertools.product(options[command], read):
             if command == "cost" and option not in ("--json", "--csv", "--svg"):
                 continue  # minutes: they are those of render
             place.run([command, *words, *quick(command), option, name])

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads fail cleanly, names resolve, and outputs appear whole or not at all. files.py compares
- * digests with Python's; cli.sh and kills.py fill outputs. */
+ * digests with Python's; cli.sh and kills.py fill outputs; spared.py tries inputs as outputs,
+ * outputs.py all kinds of outputs; test/cases/bad/commands.cases has names that are refused. */
 #include <dirent.h>
-#include <fcntl.h>
 #include <limits.h>
-#include <sys/wait.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"
@@ -22,14 +21,6 @@ static int count_entries(void)
         count++;
     closedir(folder);
     return count;
-}
-
-static bool reads(const char *path)
-{
-    struct error err = {0};
-    char *bytes = file_read(path, nowhere, &err);
-    free(bytes);
-    return bytes != NULL;
 }
 
 /* Returns whether the file holds exactly this string. */
@@ -55,12 +46,6 @@ static bool refuses_read(const char *path, const char *with)
     return false;
 }
 
-static void fill(char large[LARGE], char letter)
-{
-    memset(large, letter, LARGE - 1);
-    large[LARGE - 1] = '\0';
-}
-
 static void check_reads(void)
 {
     struct error err = {0};
@@ -70,7 +55,8 @@ static void check_reads(void)
     CHECK(holds(path, "a\nb"), "a file is read whole");
     bytes_write(path, "", 0);
     CHECK(holds(path, ""), "an empty file is read");
-    fill(large, 'x');
+    memset(large, 'x', LARGE - 1);
+    large[LARGE - 1] = '\0';
     bytes_write(path, large, LARGE - 1);
     CHECK(holds(path, large), "a larger file is read");
     bytes_write(path, "ab\0c", 4);
@@ -88,22 +74,6 @@ static void check_reads(void)
     err = (struct error){0};
     CHECK(!digest_file(".", large, &err) && err.status == EXIT_SYSTEM,
           "the digest of a folder is refused");
-}
-
-static void check_pipe(void)
-{
-    const char *const path = "pipe";
-    char large[LARGE];
-    fill(large, 'y');
-    mkfifo(path, 0600);
-    const pid_t child = fork();
-    if (child == 0) {
-        test_write(path, large);
-        _exit(0);
-    }
-    CHECK(holds(path, large), "a pipe is read to its end");
-    waitpid(child, NULL, 0);
-    unlink(path);
 }
 
 static void check_relative(void)
@@ -165,97 +135,13 @@ static void check_replacement(void)
     CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode), "a link stays a link");
     CHECK(count_entries() == before + 2, "no temporary file is left");
     unlink(link);
+    chmod(path, 0400);
+    CHECK(geteuid() == 0 || (!output_open(&output, path, &err) && holds(path, "new")),
+          "a write-protected file is kept");
     umask(022);
 }
 
-static enum exit_status write_status(const char *path)
-{
-    struct error err = {0};
-    return file_write(path, "x", 1, NULL, &err) ? EXIT_AGREED : err.status;
-}
-
-static void check_refusals(void)
-{
-    char long_name[251] = "", too_long[301] = "";
-    memset(long_name, 'n', 250);
-    memset(too_long, 'n', 300);
-    const struct {
-        const char *path, *what;
-    } refused[] = {{".", "a folder"},
-                   {"no/file", "a file in a missing folder"},
-                   {"out/file", "a path below a file"},
-                   {"new/", "a name that ends in /"},
-                   {"", "the empty name"},
-                   {"builtin:a", "a built-in file"},
-                   {too_long, "a name that is too long"}};
-    const int before = count_entries();
-    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
-        CHECK(write_status(refused[i].path) == EXIT_INPUT, "%s cannot be written", refused[i].what);
-    symlink("missing", "dangling");
-    CHECK(write_status("dangling") == EXIT_INPUT, "a link to nothing cannot be written");
-    unlink("dangling");
-    CHECK(write_status(long_name) == EXIT_AGREED, "a long name gets a temporary file");
-    unlink(long_name);
-    if (geteuid() != 0) {
-        bytes_write("locked", "x", 1);
-        chmod("locked", 0400);
-        CHECK(write_status("locked") == EXIT_INPUT, "a write-protected file is kept");
-        unlink("locked");
-    }
-    CHECK(count_entries() == before, "refused outputs leave no file");
-}
-
-static void check_devices(void)
-{
-    const char *const path = "pipe";
-    char seen[8] = "";
-    struct stat status;
-    pid_t child;
-    int ended, before = count_entries();
-    setenv("TMPDIR", ".", 1);
-    CHECK(write_status("/dev/null") == EXIT_AGREED, "a device receives a copy");
-    mkfifo(path, 0600);
-    child = fork();
-    if (child == 0)
-        _exit((int)write_status(path));
-    FILE *pipe = fopen(path, "r");
-    CHECK(pipe != NULL && fread(seen, 1, sizeof seen, pipe) == 1 && seen[0] == 'x',
-          "a pipe receives a copy");
-    fclose(pipe);
-    waitpid(child, &ended, 0);
-    CHECK(WIFEXITED(ended) && WEXITSTATUS(ended) == 0 && stat(path, &status) == 0 &&
-              S_ISFIFO(status.st_mode),
-          "the pipe stays a pipe");
-    unlink(path);
-    setenv("TMPDIR", "/none", 1);
-    CHECK(write_status("/dev/null") == EXIT_SYSTEM, "a copy fails without TMPDIR's folder");
-    unsetenv("TMPDIR");
-    CHECK(count_entries() == before, "copies leave no temporary file");
-}
-
 /* ---- inputs ---- */
-
-/* A file that this process has read is not replaced, whenever it was read. test/program/cli.sh and
- * test/data/files/spared.py try its other names. */
-static void check_inputs(void)
-{
-    const char *const late = "late", *const other = "first";
-    struct error err = {0};
-    struct outputs outputs = {.n = 0};
-    bytes_write(late, "kept", 4);
-    CHECK(file_write(other, "new", 3, &outputs, &err) &&
-              file_write(late, "new", 3, &outputs, &err) && reads(late),
-          "an input is read after its output was written, but before it has its name");
-    CHECK(!outputs_commit(&outputs, &err) && err.status == EXIT_INPUT && holds(late, "kept"),
-          "it is not replaced");
-    CHECK(access(other, F_OK) != 0, "no other output of the command appears then");
-    err = (struct error){0};
-    CHECK(file_write(other, "one", 3, &outputs, &err) &&
-              file_write(other, "two", 3, &outputs, &err) && !outputs_commit(&outputs, &err) &&
-              err.status == EXIT_INPUT && access(other, F_OK) != 0,
-          "two outputs of one name are refused, and neither appears");
-    unlink(late);
-}
 
 /* ---- folders ---- */
 
@@ -345,12 +231,8 @@ int main(void)
     check_memory();
     check_printed();
     check_reads();
-    check_pipe();
     check_relative();
     check_replacement();
-    check_refusals();
-    check_devices();
-    check_inputs();
     check_folders();
     return test_end();
 }

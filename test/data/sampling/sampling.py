@@ -164,6 +164,16 @@ def check_basis():
             is_near(seen, expected, f"basis:{k} under {name}: the error is that of {k} singular vectors", magnitude)
 
 
+def check_words():
+    """plan describes a sampling in a line."""
+    for method, words in (("riemann:50", "9 wavelengths; radiances at these wavelengths only"),
+                          ("gauss:8", "8 wavelengths, 3 of 24 weights negative (-1.1 %); radiances at these wavelengths only"),
+                          ("adaptive:0.1", "5 wavelengths, 1 emission peak (546 nm); radiances at these wavelengths only"),
+                          ("rgb", "3 components; no spectra, and no fluorescence; for no detector but cie1931")):
+        said = output_of("plan", "patches", "--light", "1=gaussian:546,4", "--wavelengths", "380:780:1", "--sampling", method)
+        check(f"{method} for cie1931: {words}\n" in said, f"plan describes {method}", said)
+
+
 # ---- theory of quadrature ----
 
 def check_gauss():
@@ -270,6 +280,15 @@ def check_components():
     scene = write("equal.scene", SMALL + "light d65 1 direction 0 0 1\nmaterial m { diffuse gaussian:600,80*0.8 }\n"
                   "object plane 1 2 material m translate -0.5 0 0\nobject plane 1 2 material m translate 0.5 0 0\n")
     check(Sampled(scene, "basis:9").pages() == 1, "a basis of equal spectra has 1 component")
+    write("parts.obj", "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nusemtl a\nf 1 2 3\nv 1 -1 0\nv 1 1 0\nusemtl b\nf 2 4 5\n")
+    write("parts.map", "a material glossy\nb material half\n")
+    scene = write("parts.scene", SMALL + "light d65 1 direction 0 1 2\nlight gaussian:450,40 1 direction 0 0 1\nlight d65 1 direction 1 0 1\nambient a 0.5\n"
+                  "material plain { diffuse gaussian:600,90 }\nmaterial glossy { diffuse gaussian:500,50 specular 0.3 gloss 9 emission gaussian:650,20 }\n"
+                  "material half { diffuse 0.125 metamer plain }\nmaterial unused { diffuse gaussian:400,30 }\n"
+                  "object mesh parts.obj materials parts.map\nobject sphere 0.4 12 8 material plain translate 0 0 1\n")
+    basis, every_nm = (Sampled(scene, method).xyz() for method in ("basis:99", "riemann:1"))
+    is_near(basis, every_nm, "a basis of all components has each light's product with each part of a mesh, highlight and emission",
+            4 * np.abs(every_nm).max())
 
 
 check_ambient()
@@ -277,6 +296,7 @@ check_riemann()
 check_box()
 check_three_numbers()
 check_basis()
+check_words()
 check_gauss()
 check_other_detector()
 check_fluorescence()

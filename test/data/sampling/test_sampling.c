@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares samplings with the sum over every nm: they are exact where they must be, keep their
- * tolerance, and survive hard cases. test/data/sampling/sampling.py computes each method once more.
- */
+ * tolerance, and survive hard cases. sampling.py computes each method once more;
+ * test/cases/bad/commands.cases has those that are refused. */
 #include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/maths/maths.h"
@@ -146,23 +146,6 @@ static int pages_of(const struct stage *stage, const char *text)
     const int n = s.pages.n;
     sampling_free(&s);
     return n;
-}
-
-/* ---- names ---- */
-
-static void test_names(void)
-{
-    const char *good = "box:8 riemann:10 riemann:2.5 gauss:8 gauss:8,open gauss:9,xyz gauss:9,lms "
-                       "gauss:6,acc adaptive:0.01 adaptive:1e-09 adaptive:0.3 basis:6 rgb xyz";
-    char word[64];
-    while (test_word(&good, word)) {
-        struct sampling_method method;
-        struct error err = {0};
-        char name[SAMPLING_NAME] = "refused";
-        if (sampling_read("--sampling", word, &method, &err))
-            sampling_name(&method, name);
-        CHECK_TEXT(name, word, "%s is read and named again", word);
-    }
 }
 
 /* ---- known errors ---- */
@@ -490,79 +473,19 @@ static void test_apart(void)
     clear(&stage);
 }
 
-static void check_refusal(const struct stage *stage, const char *text, const char *detector,
-                          const char *reason)
-{
-    struct error err;
-    struct sampling s = sampling_of(stage, text, detector, &err);
-    CHECK(s.pages.n == 0 && err.status == EXIT_INPUT && strstr(err.text, reason) != NULL,
-          "%s for %s: '%s'", text, detector, reason);
-    if (strstr(err.text, reason) == NULL)
-        printf("# %s\n", err.text);
-    sampling_free(&s);
-}
-
-static void test_refusals(void)
+static void test_accepted(void)
 {
     struct stage stage = chart("d65", 380, 401), dark = chart("d65", 300, 50);
-    struct stage blue = chart("d65", 380, 50);
-    check_refusal(&stage, "box:8", "dcs200-camera", "needs an observer");
-    check_refusal(&stage, "rgb", "dcs200-camera", "needs an observer");
-    check_refusal(&stage, "xyz", "transparency-film", "needs an observer");
-    check_refusal(&stage, "gauss:6,acc", "dcs200-camera", "needs an observer");
-    check_refusal(&stage, "box:402", "cie1931", "401 nm");
-    check_refusal(&dark, "gauss:60,open", "cie1931", "50 nm");
-    check_refusal(&blue, "rgb", "cie1931", "not all above 0 from 380 to 429 nm");
-    check_refusal(&stage, "riemann:500", "cie1931", "400 nm long");
-    check_refusal(&stage, "gauss:8", "no-such-detector", "no-such-detector");
-    for (int i = 0; i < ALL; i++)
-        if (strcmp(all[i], "riemann:10") != 0 && strcmp(all[i], "gauss:8,open") != 0)
-            check_refusal(&dark, all[i], "cie1931", "sees nothing");
-    struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
-    CHECK(open.pages.n == 8 && steps.pages.n == 5,
-          "a sampling without a fixed detector accepts one that sees nothing");
     struct stage short_one = chart("d65", 400, 67);
-    struct sampling fine = made(&short_one, "riemann:1.1"); /* 66 / 1.1 rounds to below 60 */
-    CHECK(fine.pages.n == 61, "60 steps of 1.1 nm end at the last of 66 nm");
-    sampling_free(&fine);
+    CHECK(pages_of(&dark, "gauss:8,open") == 8 && pages_of(&dark, "riemann:10") == 5,
+          "a sampling without a fixed detector accepts one that sees nothing");
+    CHECK(pages_of(&short_one, "riemann:1.1") == 61, /* 66 / 1.1 rounds to below 60 */
+          "60 steps of 1.1 nm end at the last of 66 nm");
+    CHECK(pages_of(&stage, "gauss:9,xyz") == 9 && pages_of(&stage, "gauss:10,lms") == 10,
+          "three functions share the nodes");
     clear(&short_one);
-    const char *functions[] = {"gauss:9,xyz", "gauss:10,lms"};
-    for (int i = 0; i < 2; i++) {
-        struct sampling shared = made(&stage, functions[i]);
-        CHECK(shared.pages.n == 9 + i, "%s: three functions share %d nodes", functions[i], 9 + i);
-        sampling_free(&shared);
-    }
-    sampling_free(&open);
-    sampling_free(&steps);
     clear(&stage);
     clear(&dark);
-    clear(&blue);
-}
-
-/* A refusal proposes a number of pages that has a solution. */
-static void test_unsolvable(void)
-{
-    struct stage stage = chart("d65", 380, 401);
-    int refused = 0, solved = 0;
-    for (int n = 3; n <= 12; n++) {
-        char text[32];
-        struct error err;
-        snprintf(text, sizeof text, "gauss:%d,acc", n);
-        struct sampling s = sampling_of(&stage, text, "cie1931", &err);
-        const char *number = strrchr(err.text, ';');
-        if (s.pages.n == 0 && number != NULL) {
-            refused++;
-            snprintf(text, sizeof text, "gauss:%d,acc", atoi(number + 1));
-            struct sampling other = made(&stage, text);
-            solved += other.pages.n > 0;
-            sampling_free(&other);
-        }
-        sampling_free(&s);
-    }
-    printf("# %d of 10 have no solution\n", refused);
-    CHECK(refused > 0 && solved == refused,
-          "functions that change sign: each refusal proposes a number that is accepted");
-    clear(&stage);
 }
 
 /* ---- uses of samplings ---- */
@@ -596,51 +519,9 @@ static void test_synthesis(void)
     clear(&stage);
 }
 
-static void test_print(void)
-{
-    static const struct {
-        const char *text, *expected, *label;
-    } all_printed[] = {
-        {"riemann:50",
-         "riemann:50 for cie1931: 9 wavelengths; radiances at these wavelengths only\n", ""},
-        {"gauss:8",
-         "gauss:8 for cie1931: 8 wavelengths, 3 of 24 weights negative (-1.1 %);"
-         " radiances at these wavelengths only\n",
-         ""},
-        {"adaptive:0.1",
-         "adaptive:0.1 for cie1931: 5 wavelengths, 1 emission peak (546 nm);"
-         " radiances at these wavelengths only\n",
-         ""},
-        {"rgb",
-         "rgb for cie1931: 3 components; no spectra, and no fluorescence; for no detector but "
-         "cie1931\n",
-         "green"},
-        {"xyz",
-         "xyz for cie1931: 3 components; no spectra, and no fluorescence; for no detector but "
-         "cie1931\n",
-         "Y"}};
-    struct stage stage = chart("gaussian:546,4", 380, 401);
-    for (size_t i = 0; i < sizeof all_printed / sizeof all_printed[0]; i++) {
-        char seen[24];
-        struct sampling s = made(&stage, all_printed[i].text);
-        struct printed printed = {.text = NULL};
-        sampling_print(&s, &printed);
-        char *line = printed_end(&printed);
-        CHECK_TEXT(line ? line : "", all_printed[i].expected,
-                   "%s: the description is right, and one line", all_printed[i].text);
-        free(line);
-        sampling_label(&s.method, 1, seen);
-        CHECK_TEXT(seen, all_printed[i].label, "%s: the second page has its label",
-                   all_printed[i].text);
-        sampling_free(&s);
-    }
-    clear(&stage);
-}
-
 int main(void)
 {
     test_enter();
-    test_names();
     test_adaptive();
     test_few_pages();
     test_peaks();
@@ -652,9 +533,7 @@ int main(void)
     test_hard();
     test_rank();
     test_apart();
-    test_refusals();
-    test_unsolvable();
+    test_accepted();
     test_synthesis();
-    test_print();
     return test_end();
 }

@@ -175,47 +175,6 @@ static void check_interpolation(void)
     spectrum_free(&s);
 }
 
-static void check_formats(void)
-{
-    static const char *const same[] = {
-        "400 0.25\n405 0.5\n410 1\n",
-        "400\t0.25\r\n405\t0.5\r\n410\t1",
-        "# head\nwavelength_nm,power\n400,0.25\n405,0.5\n410,1\n",
-        "\"Wavelength (nm)\";\"R\"\n400;0.25\n405;0.5\n410;1\n",
-        "\xEF\xBB\xBF"
-        "400, 0.25\n405, 0.5\n410, 1\n",
-        "SPECT\nSPECTRAL_BANDS 3\nSPECTRAL_START_NM 400.0\nSPECTRAL_END_NM 410.0\n"
-        "BEGIN_DATA_FORMAT\nSPEC_400 SPEC_405\n SPEC_410\nEND_DATA_FORMAT\n"
-        "BEGIN_DATA\n0.25 0.5\n 1\nEND_DATA\n",
-        "400;0,25\n405;0,5\n410;1\n",
-        "nm;R\n400,0 ; 0,25\n405,0 ; 0,5\n410,0 ; 1,0\n",
-        "400\t0,25\n405\t0,5\n410\t1\n",
-        "400 0,25\n405 0,5\n410 1\n",
-        "\"nm\",\"R, measured\"\n\"400\",\"0.25\"\n\"405\",\" 0.5\"\n\"410\",\"1\"\n",
-        "\"nm\";\"R\"\n\"400,0\";\"0,25\"\n\"405,0\";\"0,5\"\n\"410,0\";\"1\"\n",
-        "Spectrophotometer 7\nSample;red;no. 3\n\n-----\nDate: 2026-11-22\n"
-        "nm;R\n400;0,25\n405;0,5\n410;1\n",
-        "\xEF\xBB\xBF\"Wavelength / nm\"\t\"R\"\r\n400\t0.25\r\n405\t0.5\r\n410\t1\r\n",
-        "400nm,0.25\n405nm,0.5\n410nm,1\n",
-        "400 nm,0.25\n405 nm,0.5\n410 nm,1\n",
-        "400 nm 0.25\n405 nm 0.5\n410 nm 1\n",
-        "400 nm;0,25\n405 nm;0,5\n410 nm;1\n",
-        "nm,R\n410,1\n405,0.5\n400,0.25\n",
-        "nm,R,,\n400,0.25,,\n405,0.5,,\n,,,\n410,1,,\n",
-        "nm;R;\n400;0,25;\n405;0,5;\n;;\n410;1\n",
-        "400\t0.25\t\n405\t0.5\t\t\n410\t1\n",
-        "CGATS.17\n\nKEYWORD \"SPECTRAL_NORM\"\nSPECTRAL_NORM \"100.0\"\nSPECTRAL_BANDS \"3\"\n"
-        "SPECTRAL_START_NM \"400\"\nSPECTRAL_END_NM \"410\"\nBEGIN_DATA\n25 50 100 END_DATA\n"};
-    for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
-        struct spectrum s = read_content(same[i]);
-        CHECK(s.count == 3 && s.wavelength_nm[0] == 400 && s.wavelength_nm[1] == 405 &&
-                  s.wavelength_nm[2] == 410 && s.value[0] == 0.25 && s.value[1] == 0.5 &&
-                  s.value[2] == 1,
-              "format %zu gives the same three samples", i);
-        spectrum_free(&s);
-    }
-}
-
 static void check_columns(void)
 {
     struct error err;
@@ -349,7 +308,6 @@ int main(void)
     check_words();
     check_blackbody();
     check_interpolation();
-    check_formats();
     check_columns();
     check_percent();
     check_daylight();

@@ -82,6 +82,12 @@ scene metals/gold 'material m gold' 'object sphere 1 9 9 material m'
 scene checks 'material m { diffuse 1 texture checks.tif }' 'object plane 1 1 material m' "$light"
 scene sheep 'material m { diffuse 1 }' 'object mesh sheep.obj material m'
 scene colorchecker 'checker colorcheker sphere 1 9 9'
+for word in li xy; do # two letters begin too many words; a half of the letters differ
+    echo "$word 1" >"$tmp/my.scene"
+    run "$SPECTRAL" plan "$tmp/my.scene"
+    [ "$status" = 2 ] && ! grep -q 'did you mean' "$tmp/err"
+    ok $? "no word is meant by $word"
+done
 printf '%s\n' 'LIGHT D65 1 Direction 0 0 1' 'Material m Metals/Gold' 'object Sphere 1 9 9 material m' >"$tmp/my.scene"
 exits 0 "case is ignored in words and in names of built-in files" "$SPECTRAL" Plan "$tmp/my.scene" --Size 9x9
 cp data/builtin/tables/a.csv "$tmp/D65"

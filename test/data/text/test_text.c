@@ -205,26 +205,6 @@ static void check_errors(void)
     CHECK(err.status == EXIT_SYSTEM, "a lack of memory is a failure of the system");
 }
 
-/* test/data/text/names.sh has the words that are proposed for mistyped ones. */
-static void check_suggestions(void)
-{
-    static const char *const known[] = {"light", "material", "object", "uv", "metals/gold", "d65"};
-    static const char *const pairs[][2] = {
-        {"liight", "light"}, /* a letter is too much */
-        {"xy", ""},          /* a half of the letters differ */
-        {"li", ""},          /* two letters begin too many words */
-        {"", ""},
-        {"camera", ""},
-    };
-    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        const struct word word = {.start = pairs[i][0], .length = strlen(pairs[i][0])};
-        struct suggestion suggestion = {.distance = 0};
-        for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
-            suggestion_add(&suggestion, &word, known[k], strlen(known[k]));
-        CHECK_TEXT(suggestion.nearest, pairs[i][1], "proposed for '%s'", pairs[i][0]);
-    }
-}
-
 int main(void)
 {
     check_words();
@@ -232,6 +212,5 @@ int main(void)
     check_values();
     check_integers();
     check_errors();
-    check_suggestions();
     return test_end();
 }

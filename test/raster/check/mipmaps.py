@@ -6,31 +6,22 @@ the level of detail, invariances, and random scenes. Faults 96 to 100 are those 
 another rule. Prints TAP.
 
     test/raster/check/mipmaps.py                      3 random scenes by each way of OSMesa; with FULL=1 60 (SOAK=1, `test release`: 1000) by all ways, other rules and
-                                                      families of drivers
-    test/raster/check/mipmaps.py --show 17            scene 17, without drawing it"""
-import json
+                                                      families of drivers"""
 import os
 import random
 import re
 import shutil
-import sys
 
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, SPECTRAL, amount, check, done, parts, output_of, pages_of, path_of, run, write, write_stack
+from rendered import FAULTS, SPECTRAL, amount, check, done, judged, parts, output_of, pages_of, path_of, run, stack_of, write, write_stack
 
 SCENE = "test/cases/faults/mipmaps.scene"
 MUTANT = os.path.join(os.path.dirname(SPECTRAL), "test/spectral-detail")
 WAYS = "llvmpipe", "softpipe", "gl-shader", "es-shader", "gl-shader:softpipe", "es-shader:softpipe"
 FULL = "FULL" in os.environ
 COUNT = amount(3, 60, 1000)
-
-
-def report(path, *options, program=SPECTRAL, **environment):
-    """The exit status, the report and the message of a render."""
-    result = run("render", path, "-o", "/dev/null", "--quiet", "--json", "-", *options, program=os.path.abspath(program), **environment)
-    return result.returncode, json.loads(result.stdout) if result.returncode < 2 else None, result.stderr
 
 
 def write_texture(name, texels):
@@ -175,7 +166,7 @@ def aliasing():
 def faults():
     for driver in WAYS[:2]:
         for number in 0, 96, 97, 98, 99:
-            status, found, message = report(SCENE, GALLIUM_DRIVER=driver, LD_PRELOAD=FAULTS, FAULT=str(number))
+            status, found, message = judged(SCENE, GALLIUM_DRIVER=driver, LD_PRELOAD=FAULTS, FAULT=str(number))
             if number == 0:
                 check(status == 0 and found["effects"]["mipmaps"] and found["check"]["unchecked_pixels"] < 100,
                       f"{driver}: mipmaps agree, nearly all pixels checked", message, found and found["check"])
@@ -183,10 +174,10 @@ def faults():
                 check(status == 1 and re.search(r"first at \d+,\d+ on \w+ ", message),
                       f"{driver}: planted fault {number} is found, with its pixel", message)
         for rule in ("CORNER", "NORM", *(["EXACT"] if driver == "llvmpipe" else [])) if FULL else ():
-            status, _, message = report(SCENE, program=MUTANT, GALLIUM_DRIVER=driver, **{rule: "1"})
+            status, _, message = judged(SCENE, program=MUTANT, GALLIUM_DRIVER=driver, **{rule: "1"})
             check(status == 1 and re.search(r"first at \d+,\d+ on \w+ ", message), f"{driver}: another rule ({rule}) is found", message)
         if FULL:
-            status, _, message = report(SCENE, program=MUTANT, GALLIUM_DRIVER=driver)
+            status, _, message = judged(SCENE, program=MUTANT, GALLIUM_DRIVER=driver)
             check(status == 0, f"{driver}: the mutant with the driver's own rule agrees", message)
 
 
@@ -197,27 +188,20 @@ def families():
     for name in WAYS[:2]:
         said = run("drivers", "--measure", "-v", GALLIUM_DRIVER=name, **unknown).stdout
         check(re.search(rf"level of detail +as {name} ", said), f"{name}: its rule is known without its name", said)
-        status, found, message = report(SCENE, GALLIUM_DRIVER=name, **unknown)
+        status, found, message = judged(SCENE, GALLIUM_DRIVER=name, **unknown)
         check(status == 0 and found["driver_profile"] == "measured" and found["check"]["unchecked_pixels"] < (20 if name == "llvmpipe" else 100),
               f"{name}: agrees where it is not known", message, found and found["check"])
     for option in "rho_approx", "brilinear":
         said = run("drivers", "--measure", "-v", GALLIVM_PERF=option, **unknown).stdout
         check("levels of detail as specified" in said and "neither as llvmpipe nor softpipe" in said,
               f"{option}: a rule that is none of these is said to be as wide as specified", said)
-        status, found, _ = report(SCENE, GALLIVM_PERF=option, **unknown)
+        status, found, _ = judged(SCENE, GALLIVM_PERF=option, **unknown)
         check(status == 1 and found["check"]["unchecked_pixels"] > 100, f"{option}: there most pixels cannot be checked", found and found["check"])
-    status, _, message = report(SCENE, LD_PRELOAD=FAULTS, FAULT="100")
+    status, _, message = judged(SCENE, LD_PRELOAD=FAULTS, FAULT="100")
     check(status == 3 and "it draws its targets twice, and the pictures differ" in message, "a driver that changes from drawing to drawing is refused", message)
 
 
 # ---- invariances ----
-
-def stack_of(path, *options):
-    out = path_of("stack.tif")
-    result = run("render", path, "-o", out, "--quiet", "--keep", *options)
-    check(result.returncode == 0, f"{os.path.basename(path)} {' '.join(options)} is drawn", result.stderr)
-    return tifffile.imread(out)
-
 
 def invariances():
     defined = stack_of(SCENE, "--renderer", "raster", "--no-check")
@@ -232,7 +216,7 @@ def invariances():
         check(re.search(rf"^mipmaps +{name}$", said, re.MULTILINE), f"the record of {way} says whose levels these are", said)
     for size in "160x100", "161x99":
         for gl in "osmesa", "egl":
-            check(report(SCENE, "--size", size, "--gl", gl)[0] == 0, f"{size} pixels agree by {gl}")
+            check(judged(SCENE, "--size", size, "--gl", gl)[0] == 0, f"{size} pixels agree by {gl}")
     # several tiles in each direction
     tall = "--size", "1601x1203", "--wavelengths", "500,600"
     parts = [path_of(f"{i}.tif") for i in (1, 2, 3)]
@@ -246,7 +230,7 @@ def invariances():
               result.stderr)
     text = open(SCENE).read()
     plain = write("bilinear.scene", text.replace(" linear ", " bilinear "))
-    status, found, _ = report(plain)
+    status, found, _ = judged(plain)
     check(status < 2 and not found["effects"]["mipmaps"], "bilinear has no mipmaps", found and found["effects"])
     check("no texture is linear" in output_of("plan", plain), "plan says so")
 
@@ -301,7 +285,7 @@ def random_scenes():
     for way in WAYS if FULL else WAYS[:2]:
         differ, unverified, objects, unchecked, worst = [], 0, 0, 0, 0.0
         for seed in range(1, COUNT + 1):
-            status, found, message = report(random_scene(seed), "--renderer", way)
+            status, found, message = judged(random_scene(seed), "--renderer", way)
             if status > 1 or (status == 1 and not re.search("^error: not verified", message)):
                 differ.append((seed, message))
                 continue
@@ -314,8 +298,5 @@ def random_scenes():
 
 
 write_textures()
-if "--show" in sys.argv:
-    print(open(random_scene(int(sys.argv[-1]))).read())
-else:
-    parts(levels, reference, filters, *([aliasing] if FULL else []), faults, *([families, invariances] if FULL else []), random_scenes)
-    done()
+parts(levels, reference, filters, *([aliasing] if FULL else []), faults, *([families, invariances] if FULL else []), random_scenes)
+done()

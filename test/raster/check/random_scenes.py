@@ -7,9 +7,7 @@ test/cases/random/, and later runs begin with it; data/samples/reduce.py makes i
 
     test/raster/check/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 1000 and 120,
                                                                         with SOAK=1 (`test release`) 5000 and 500
-    test/raster/check/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
-    test/raster/check/random_scenes.py --show 17                        scene 17's files, without drawing it"""
-import argparse
+    test/raster/check/random_scenes.py 1000 5000                        5000 scenes on each, from scene 1000"""
 import concurrent.futures
 import glob
 import json
@@ -18,6 +16,7 @@ import random
 import re
 import shutil
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -594,8 +593,8 @@ def replay(driver):
         check(result.status == 0, f"{driver}: a scene that failed once passes: {name}", result.message)
 
 
-def draw(seed, driver, size):
-    files, name = scene(seed, size), f"{seed}-{driver}"
+def draw(seed, driver):
+    files, name = scene(seed), f"{seed}-{driver}"
     result = Result(put(files, TMP, name), driver)
     for end in files:
         os.remove(os.path.join(TMP, name + end))
@@ -622,12 +621,12 @@ SUMS = ["pixels", "object_pixels", "ambiguous_pixels", "unexplained_pixels", "un
 LARGEST = ["worst_error_over_bound", "worst_band_error_over_bound", "worst_depth_error_over_bound"]
 
 
-def run(driver, seeds, options):
+def run(driver, seeds):
     started = time.monotonic()
     total = dict.fromkeys(SUMS + LARGEST, 0)
     failed, refused, texts, effects, seconds, classes = [], 0, "", [], 0, {}
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for seed, files, result in pool.map(lambda seed: draw(seed, driver, options.size), seeds):
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for seed, files, result in pool.map(lambda seed: draw(seed, driver), seeds):
             texts += "".join(files.values())
             seconds += result.seconds
             refused += result.refused
@@ -635,7 +634,7 @@ def run(driver, seeds, options):
                 failed.append(seed)
                 print(f"# {driver}: scene {seed}, exit {result.status}:", result.message)
                 if len(failed) <= MOST_KEPT:
-                    print("# kept as", keep(files, options.keep, f"{seed}-{driver}"), flush=True)
+                    print("# kept as", keep(files, KEPT, f"{seed}-{driver}"), flush=True)
             if result.report is None:
                 continue
             effects.append(result.report["effects"])
@@ -645,8 +644,6 @@ def run(driver, seeds, options):
             for name in total:
                 add = sum if name in SUMS else max
                 total[name] = add((total[name], found[name]))
-            if options.verbose:
-                print(f"# scene {seed}, {result.seconds:.2f} s: {describe(found)}", flush=True)
     judge(driver, len(seeds), total, failed, refused)
     print(f"# {driver}, largest error / bound by class:",
           ", ".join(f"{kind} {ratio:.2f}" for kind, ratio in sorted(classes.items())), flush=True)
@@ -686,38 +683,17 @@ def check_fault(size):
     check(Result(path, "llvmpipe").status == 0, "the kept scene passes without the fault", path)
 
 
-def arguments():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--first", type=int, default=1, metavar="SEED")
-    parser.add_argument("--count", type=int, metavar="N")
-    parser.add_argument("--driver", choices=COUNT)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="J")
-    parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))),
-                        default=(200, 200), metavar="WxH")
-    parser.add_argument("--keep", default=KEPT, metavar="FOLDER", help="where scenes that fail go")
-    parser.add_argument("--show", type=int, metavar="SEED")
-    parser.add_argument("--verbose", action="store_true", help="a line for each scene")
-    return parser.parse_args()
-
-
 def main():
-    options = arguments()
-    if options.show is not None:
-        for end, text in scene(options.show, options.size).items():
-            print(f"# {end}\n{text}")
-        return
+    first, *count = map(int, sys.argv[1:] or ["1"])
     write_textures(TMP)
-    for driver in [options.driver] if options.driver else COUNT:
+    for driver, n in COUNT.items():
         replay(driver)
-        n = options.count or COUNT[driver]
-        run(driver, range(options.first, options.first + n), options)
-    if not options.driver:
-        check_fault((64, 64))
-        for more, count in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS):
-            MORE[:] = more
-            for driver, n in count.items():
-                run(driver, range(8060, 8060 + n), options)
+        run(driver, range(first, first + (count or [n])[0]))
+    check_fault((64, 64))
+    for more, n_of in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS):
+        MORE[:] = more
+        for driver, n in n_of.items():
+            run(driver, range(8060, 8060 + n))
     done()
 
 

@@ -15,7 +15,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, SPECTRAL, amount, bytes_of, check, done, parts, path_of, run, write
+from rendered import FAULTS, SPECTRAL, amount, bytes_of, check, done, judged, parts, path_of, run, stack_of, write
 
 SCENE = "test/cases/faults/shadows.scene"
 MUTANT = os.path.join(os.path.dirname(SPECTRAL), "test/spectral-moved")
@@ -24,18 +24,12 @@ TEXT = open(SCENE).read()
 FULL = "FULL" in os.environ
 
 
-def report(path, *options, program=SPECTRAL, **environment):
-    """The exit status, the report and the message of a render."""
-    result = run("render", path, "-o", "/dev/null", "--quiet", "--json", "-", *options, program=program, **environment)
-    return result.returncode, json.loads(result.stdout) if result.returncode < 2 else None, result.stderr
-
-
 # ---- planted faults ----
 
 def faults():
     for driver in DRIVERS:
         for number in 0, 88, 89, 90, 92, 93, 94, 95:
-            status, found, message = report(SCENE, GALLIUM_DRIVER=driver, LD_PRELOAD=FAULTS, FAULT=str(number))
+            status, found, message = judged(SCENE, GALLIUM_DRIVER=driver, LD_PRELOAD=FAULTS, FAULT=str(number))
             if number == 0:
                 check(status == 0 and found["check"]["open_pixels"] < found["check"]["pixels"] / 20,
                       f"{driver}: shadows agree, and few pixels are in doubt", found["check"])
@@ -49,10 +43,10 @@ def moved_lights():
     big = write("moved.scene", re.sub(r"size 96 64", "size 384 256", TEXT))
     least = None
     for exponent in range(0, 24):
-        status, _, _ = report(big, program=MUTANT, MOVED=str(2.0 ** -exponent))
+        status, _, _ = judged(big, program=MUTANT, MOVED=str(2.0 ** -exponent))
         if status == 1:
             least = 2.0 ** -exponent
-    status, _, _ = report(big, program=MUTANT, MOVED="0")
+    status, _, _ = judged(big, program=MUTANT, MOVED="0")
     check(status == 0, "lights that are moved by 0 agree")
     # the ball is 1.1 above the floor, and its light 6.8 above it; a unit of the floor is about 30 pixels wide
     pixels = least and least * 1.1 / 6.8 * 30
@@ -66,9 +60,9 @@ def economy():
     plain = write("plain.scene", TEXT.replace(" shadows", ""))
     none = write("none.scene", TEXT.replace(" material", " casts no material"))
     away = write("away.scene", re.sub(r"object sphere .*", "object sphere 0.9 20 12 material ball translate 0 0 -60", none_of(TEXT)))
-    status, first, _ = report(plain)
+    status, first, _ = judged(plain)
     for path, what in (none, "no object casts a shadow"), (away, "shadows fall out of view"):
-        _, found, _ = report(path)
+        _, found, _ = judged(path)
         check(status == 0 and found["work"]["gl_passes"] == first["work"]["gl_passes"] and not found["effects"]["shadows"],
               f"where {what}, OpenGL draws as many passes as without shadows", found["work"], first["work"])
     stacks = [stack_of(path, "--renderer", "raster", "--no-check") for path in (plain, none)]
@@ -93,15 +87,8 @@ material m { diffuse 0.8 }
 object plane 10 6 material m two-sided rotate 150 0 1 0 scale -1 1 1
 object plane 1 1 material m two-sided scale -1 1 1 translate 0 1 -3
 """)
-    status, found, message = report(path)
+    status, found, message = judged(path)
     check(status == 0 and found["work"]["gl_passes"] > 2, "mirrored sheets agree in several tiles", message, found and found["work"])
-
-
-def stack_of(path, *options):
-    out = path_of("stack.tif")
-    result = run("render", path, "-o", out, "--quiet", *options)
-    check(result.returncode == 0, f"{os.path.basename(path)} {' '.join(options)} is drawn", result.stderr)
-    return tifffile.imread(out)
 
 
 # ---- invariances ----
@@ -121,7 +108,7 @@ def invariances():
     result = run("join", "-o", joined, *parts)
     check(result.returncode == 0 and bytes_of(whole) == bytes_of(joined), "parts make the bytes of the whole", result.stderr)
     for options in ("--samples", "4"), ("--shading", "flat"), ("--depth", "16"), ("--accuracy", "1"):
-        status, found, message = report(SCENE, *options)
+        status, found, message = judged(SCENE, *options)
         check(status == 0, f"shadows agree with {' '.join(options)}", message, found and found["check"])
     dark = []
     for shading in "smooth", "phong":

@@ -205,7 +205,10 @@ def tessellation():
         plain, one = of(shape), of(shape, "--tessellation", "1")
         check(np.array_equal(plain.samples, one.samples) and plain.samples.max() > 0, f"tessellation 1 changes no bit of a {shape.split()[0]}")
     for factor, shape, becomes in (("2", "sphere 1 20 10", "sphere 1 40 20"), ("0.5", "cone 0.8 1 15 4", "cone 0.8 1 8 2"),
-                                   ("3", "teapot 1 4", "teapot 1 12"), ("1e-9", "sphere 1 20 10", "sphere 1 3 2")):
+                                   ("3", "teapot 1 4", "teapot 1 12"), ("1e-9", "sphere 1 20 10", "sphere 1 3 2"),
+                                   ("1.26", "torus 0.3 0.8 10 30", "torus 0.3 0.8 13 38"), ("7", "box 1 2 1 2", "box 1 2 1 14"),
+                                   ("0.1", "plane 1 2 3", "plane 1 2 1"), ("0.1", "cylinder 0.8 1 10 3", "cylinder 0.8 1 3 1"),
+                                   ("1.04", "disk 1 12 1", "disk 1 12 1"), ("7", "mesh chair", "mesh chair")):
         scaled, written = of(shape, "--tessellation", factor), of(becomes)
         check(np.array_equal(scaled.samples, written.samples) and scaled.report["work"] == written.report["work"],
               f"tessellation {factor} of {shape} is {becomes}")

@@ -474,6 +474,7 @@ def refusals(rgb):
     remove(path)
     plain = foreign("plain", [400, 500, 600], np.ones((3, 4, 5)))
     infrared = foreign("infrared", [1000, 1100], np.ones((2, 4, 5)))
+    red = foreign("red", [700, 710, 720], np.ones((3, 4, 5)))
     negative = foreign("negative", [400, 500], np.array([np.ones((2, 2)), -np.ones((2, 2))]))
     twice = write_stack("twice.tif", np.ones((2, 4, 5), np.uint16), (500, 500))
     wide = write_stack("wide.tif", np.ones((2, 4, 5), np.uint32), (400, 500))
@@ -486,6 +487,8 @@ def refusals(rgb):
             ("--white", plain.path, "--detector", "dcs200-camera"),
             ("channel 3 of transparency-film responds to the white with 0", plain.path, "--detector", "transparency-film",
              "--white", "gaussian:600,1"),
+            *((f"{kind} adaptation needs a white with cone responses above 0", red.path, "--white", "e", "--adaptation", kind)
+              for kind in ("von-kries", "fairchild", "bradford")),
             ("sees nothing from 1000 to 1100 nm", infrared.path),
             ("expected --detector cie1931", rgb, "--detector", "cie1964"),
             ("is -1; expected a finite number that is not negative", negative.path)):
