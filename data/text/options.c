@@ -376,6 +376,16 @@ int options_table(const struct options *options, const char *output)
     return json || (output && output_is_stream(output)) ? STDERR_FILENO : STDOUT_FILENO;
 }
 
+bool options_show_output(const struct options *options, const char *kind, const char *output,
+                         struct error *err)
+{
+    struct printed words = {.text = NULL};
+    if (output_is_standard(output))
+        return true;
+    print(&words, "%-18s%s\n", kind, output);
+    return printed_show(&words, options_table(options, output), err);
+}
+
 const char *options_detector(const struct options *options)
 {
     return options->detector ? options->detector : "cie1931";

@@ -311,6 +311,10 @@ const char *options_detector(const struct options *options);
 /* Returns the descriptor of a command's table: standard output, or standard error if the JSON or
  * the command's output (NULL: none) may go to standard output. */
 int options_table(const struct options *options, const char *output);
+/* Prints the kind and the name of what a command without another table has written, unless that is
+ * standard output. */
+bool options_show_output(const struct options *options, const char *kind, const char *output,
+                         struct error *err);
 /* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);

@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "raster/beside/verify/inside.h"
 
@@ -59,18 +58,15 @@ static char *read_exported(const char *folder, const char *words[EXPORTED_WORDS]
 static bool run_export(struct options *options, struct error *err)
 {
     struct render_job job = {.limits = {false, 0}}, targets = {.limits = {false, 0}};
-    struct printed lines = {.text = NULL}, report = {.text = NULL};
+    struct printed lines = {.text = NULL};
     if (!options->output)
         return error_usage(err, "export needs -o FOLDER");
     const bool prints = print_exported(options, &lines, err);
     char *words = printed_take(&lines, err);
-    bool done = prints && words && job_read(options, true, &job, err) &&
-                job_plan(options, &job, err) && targets_plan(NULL, true, &targets, err) &&
-                export_plans(&job.plan, &targets.plan, words, options->output, err);
-    if (done) {
-        print(&report, "folder            %s\n", options->output);
-        done = printed_show(&report, STDOUT_FILENO, err);
-    }
+    const bool done = prints && words && job_read(options, true, &job, err) &&
+                      job_plan(options, &job, err) && targets_plan(NULL, true, &targets, err) &&
+                      export_plans(&job.plan, &targets.plan, words, options->output, err) &&
+                      options_show_output(options, "folder", options->output, err);
     free(words);
     job_free(&targets);
     job_free(&job);
