@@ -69,9 +69,12 @@ bool file_is_missing(const char *path); /* no file has the name, which is not "b
  * "": another one. */
 const char *format_of(const void *bytes, size_t length);
 bool format_is_picture(const char *format);
-/* Finds the format of a regular file; "": also of no such file; "ENVI": of raw samples with an ENVI
- * header beside them. Fails only where the system does. */
+/* Finds the format of a regular file; "": also of no such file; "ENVI": of an ENVI header, or of
+ * raw samples with a header beside them. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);
+/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
+ * no memory. */
+char *envi_data(const char *path);
 
 /* ---- digest.c: SHA-256, and digests of the files that this process has read ---- */
 

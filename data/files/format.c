@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The formats of files, by their first bytes, so that a message can say which file this is. */
 #include <limits.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "data/files/files.h"
@@ -25,10 +26,15 @@ static const struct format pictures[] = {
     {"OpenEXR", "\x76\x2f\x31\x01", 4},
     {"Radiance HDR", "#?RADIANCE", 10},
     {"JPEG 2000", "\0\0\0\x0cjP", 6},
+    {"ENVI", "ENVI\n", 5},
+    {"ENVI", "ENVI\r", 5},
+    {"PNM", "P1\n", 3},
+    {"PNM", "P2\n", 3},
+    {"PNM", "P3\n", 3},
+    {"PNM", "P4\n", 3},
     {"PNM", "P5\n", 3},
     {"PNM", "P6\n", 3},
 };
-static const char header[] = "ENVI header";
 static const struct format others[] = {
     {"HDF5", "\x89HDF", 4},    {"MATLAB", "MATLAB", 6},
     {"NumPy", "\x93NUMPY", 6}, {"ZIP", "PK\x03\x04", 4}, /* spreadsheets, too */
@@ -40,7 +46,6 @@ static const struct format others[] = {
     {"STL", "solid ", 6},      {"OFF", "OFF\n", 4},
     {"OFF", "OFF\r", 4},       {"glTF", "glTF", 4},
     {"IES", "IESNA", 5},       {"a pointer of Git LFS", "version https://git-lfs", 23},
-    {header, "ENVI\n", 5},     {header, "ENVI\r", 5},
 };
 enum { PICTURES = sizeof pictures / sizeof *pictures, OTHERS = sizeof others / sizeof *others };
 
@@ -95,20 +100,46 @@ static bool format_find(const char *path, const char **out, struct error *err)
 
 /* ---- ENVI cubes: raw samples, and a header beside them ---- */
 
-/* The header of NAME.img is NAME.hdr or NAME.img.hdr. */
+/* The raw samples of NAME.hdr are NAME, or NAME with an ending. */
+static const char *const endings[] = {"", ".img", ".dat", ".raw", ".bin", ".bsq", ".bil", ".bip"};
+enum { ENDINGS = sizeof endings / sizeof endings[0] };
+
+/* Returns the length of the path without the ending; 0: it ends otherwise. */
+static size_t length_without(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), end = strlen(ending);
+    return length > end && strcasecmp(path + length - end, ending) == 0 ? length - end : 0;
+}
+
 bool file_format(const char *path, const char **out, struct error *err)
 {
-    const char *dot = strrchr(path_name(path), '.'), *found;
-    const size_t lengths[] = {strlen(path), dot ? (size_t)(dot - path) : 0};
-    char beside[PATH_MAX];
-    bool is_file;
-    if (!format_find(path, out, err) || !file_is_regular(path, &is_file, err))
-        return false;
-    for (int i = 0; i < 2 && is_file && **out == '\0'; i++) {
-        snprintf(beside, sizeof beside, "%.*s.hdr", (int)lengths[i], path);
-        if (!format_find(beside, &found, err))
-            return false;
-        *out = found == header ? "ENVI" : "";
+    char header[PATH_MAX];
+    const char *found;
+    bool is_file = false;
+    bool done = format_find(path, out, err);
+    const bool unknown = done && (**out == '\0' || strcmp(*out, "text") == 0);
+    for (size_t i = 0; done && unknown && i < ENDINGS; i++) {
+        const size_t length = length_without(path, endings[i]);
+        if (length == 0 ||
+            snprintf(header, sizeof header, "%.*s.hdr", (int)length, path) >= PATH_MAX)
+            continue;
+        done = format_find(header, &found, err) && file_is_regular(path, &is_file, err);
+        if (done && is_file && strcmp(found, "ENVI") == 0)
+            *out = found;
     }
-    return true;
+    return done;
+}
+
+char *envi_data(const char *path)
+{
+    const size_t length = length_without(path, ".hdr");
+    for (size_t i = 0; length > 0 && i < ENDINGS; i++) {
+        struct printed printed = {.text = NULL};
+        print(&printed, "%.*s%s", (int)length, path, endings[i]);
+        char *name = printed_end(&printed);
+        if (!name || !file_is_missing(name))
+            return name;
+        free(name);
+    }
+    return strdup(path);
 }

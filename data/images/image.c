@@ -386,7 +386,7 @@ bool image_is(const char *path, bool *out, struct error *err)
 {
     const char *format;
     const bool done = file_format(path, &format, err);
-    *out = done && (strcmp(format, "TIFF") == 0 || strncmp(format, "ENVI", 4) == 0);
+    *out = done && (strcmp(format, "TIFF") == 0 || strcmp(format, "ENVI") == 0);
     return done;
 }
 
@@ -400,25 +400,33 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
         return true;
     if (strcmp(format, "text") == 0)
         return error_at(err, from, "%s is a text file; expected TIFF", path);
-    const bool is_cube = strcmp(format, "ENVI") == 0;
-    if (!is_cube && !format_is_picture(format))
+    if (!format_is_picture(format))
         return error_at(err, from, "%s has the format %s; expected TIFF", path, format);
-    char *converted = output_name(path, ".tif", err), *names = NULL;
+    const bool is_cube = strcmp(format, "ENVI") == 0;
+    char *data = is_cube ? envi_data(path) : strdup(path), *names = NULL;
+    char *converted = data ? output_name(data, ".tif", err) : NULL;
     struct printed shell = {.text = NULL};
     if (converted) {
-        print_shell(&shell, path);
+        print_shell(&shell, data);
         print_shell(&shell, converted);
         names = printed_take(&shell, err);
     }
-    if (names && is_cube)
+    if (!names)
+        memory_lacks(err, (double)strlen(path), "the name of %s", path);
+    else if (is_cube && !file_format(data, &format, err))
+        ;
+    else if (strcmp(format, "TIFF") == 0)
+        error_at(err, from, "%s is the ENVI header of %s; expected the name of that file", path,
+                 data);
+    else if (is_cube)
         error_at(err, from,
                  "%s is an ENVI cube; expected TIFF, as GDAL writes by: gdal_translate -unscale"
                  " -ot Float32%s",
                  path, names);
-    else if (names)
+    else
         error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
                  path, format, names);
-    FREE_ALL(converted, names);
+    FREE_ALL(data, converted, names);
     return false;
 }
 

@@ -29,8 +29,8 @@ struct image {
     const char *channels;    /* of its OME-XML, those of the pages that image_tags reads next */
     struct image_file *file; /* owned */
 };
-/* Finds whether the file is a TIFF file, or an ENVI cube or header, which image_open refuses by
- * name. Fails only where the system does. */
+/* Finds whether the file is a TIFF file, or an ENVI cube, which image_open refuses by name. Fails
+ * only where the system does. */
 bool image_is(const char *path, bool *out, struct error *err);
 /* The tags of a page. Numbers that are none are NaN. */
 struct page_record {

@@ -86,23 +86,24 @@ def test_names():
     """Each command names a cube that takes the place of a stack; either file is known."""
     here = cube("it's.img", COUNTS, 12, header="it's.hdr")
     for words in (("develop",), ("probe", "1", "1"), ("compare", path("expected.tif")), ("view",), ("info",), ("envi",)):
-        refuses(f"{words[0]} of a cube", "is an ENVI cube; expected TIFF", words[0], path("it's.img"), *words[1:])
-        refuses(f"{words[0]} of a header", "has the format ENVI header; expected TIFF", words[0], here, *words[1:])
+        for operand in (path("it's.img"), here):
+            refuses(f"{words[0]} {operand}", "is an ENVI cube; expected TIFF", words[0], operand, *words[1:])
     for ending in ("", ".img", ".dat", ".raw", ".bsq", ".bil", ".bip"):
         cube("names" + ending, COUNTS, 12, header="names.hdr")
-        refused("names" + ending, "names" + ending, "names.tif")
+        for name in ("names.hdr", "names" + ending):
+            words = refused(name, "names" + ending, "names.tif")
         os.remove(path("names" + ending))
     cube("odd.xyz", COUNTS, 12)
     refused("odd.xyz", "odd.xyz", "odd.tif")
-    write("other.csv", "400 1\n700 1\n")
-    write("other.hdr", "ENVI\n")
-    check(run("render", "patches", "--light", "1=" + path("other.csv"), "-o", path("other.tif")).returncode == 0,
-          "a table beside an ENVI header is a table")
+    cube("other.xyz", COUNTS, 12, header="other.hdr")
+    result = run("info", path("other.xyz"))
+    check(result.returncode == 2 and "ENVI" not in result.stderr, "NAME.hdr belongs to known endings only", result.stderr)
     scene = write("textured.scene", "light d65 1 direction 0 0 1\nmaterial m { diffuse 1 spectral-texture odd.xyz }\n"
                   "object plane 9 9 material m\n")
     refuses("a spectral texture that is a cube", "textured.scene:2:24: error: .*is an ENVI cube", "plan", scene)
     shutil.copy(path("expected.tif"), path("named.tif"))
     cube("unused", COUNTS, header="named.tif.hdr")
+    refuses("the header of a stack", f"is the ENVI header of {path('named.tif')}", "info", path("named.tif.hdr"))
     check(run("probe", path("named.tif"), "0", "0").returncode == 0, "a stack with a header is a stack")
 
 
