@@ -190,7 +190,7 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
 {
     const mode_t mask = umask(0);
     umask(mask);
-    if (chmod(folder->path, 0777 & ~mask) != 0 || rename(folder->path, path) != 0)
+    if (fchmod(dirfd(folder->entries), 0777 & ~mask) != 0 || rename(folder->path, path) != 0)
         return error_cause(err, (struct place){path, 0, 0}, "cannot make the folder");
     folder->path[0] = '\0';
     folder_sync(path); /* the new name is on the disk when its own folder is */
