@@ -42,7 +42,8 @@ static bool written(const char *path, const struct recorded *made, struct image 
     files_read_forget();
     bool done = text && stack_open(&writer, path, &options, err) &&
                 pages_write(&writer.pages, &(struct page_rectangle){0, 0, 0, 1, 1}, &count, err) &&
-                stack_finish(&writer, "a verdict", err) && output_pass(&writer.pages.output, NULL, err) &&
+                stack_finish(&writer, "a verdict", err) &&
+                output_pass(&writer.pages.output, NULL, err) &&
                 image_open(path, nowhere, tags_read, image, err);
     free(text);
     return done;
