@@ -92,7 +92,7 @@ for row in table[1:]:
     name, _, x, y, z = row.replace('"', "").split(",")[:5]
     typed = run("probe", STACK, name, "--json", "-").stdout
     check(all(f"{float(number):.17g}"[:12] in typed for number in (x, y, z)) and name in typed, f"{name} is the object of that name", row, typed[:300])
-for words, why in ((("patches", "13-blue"), "a scene takes X and Y"), ((STACK, "blu"), "no object 'blu'"), ((STACK, "99"), "no object '99'"), ((STACK, "30,"), "Y")):
+for words, why in ((("patches", "13-blue"), "a scene takes X and Y"), ((STACK, "blu"), "no object 'blu'"), ((STACK, "99"), "no object '99'"), ((STACK, "30,"), "no object '30,'")):
     result = run("probe", *words)
     check(result.returncode == 2 and why in result.stderr, f"probe refuses {words[-1]}: {why}", result.stderr)
 write("film.csv", "nm,first,second,third\n400,0.1,0.2,0.3\n700,0.3,0.2,0.1\n")

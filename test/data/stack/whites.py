@@ -44,7 +44,7 @@ def means():
                                     ("--white", ("--white", lamp + "*2"), [2, 4, 6, 8, 0])):
         check(np.allclose(white(path, *options), of @ expected, rtol=1e-12), f"{name}: the white is their mean", white(path, *options))
     for word, pattern in (("0", "the white is 0 at all of the stack's wavelengths"), ("no light", "--white:1:1: error: "),
-                          ("-1", "--white:1:1: error: "), ("", "expected one line")):
+                          ("-1", "--white:1:1: error: "), ("", "must not be empty")):
         refused(f"--white '{word}'", pattern, path, "--white", word)
 
 
