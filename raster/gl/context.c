@@ -75,6 +75,7 @@ bool contexts_open(const struct plan_options *wish, struct contexts **out, struc
         return false;
     memory_allow_stacks(); /* llvmpipe starts threads */
     (*out)->way = wish->gl_way;
+    (*out)->n_colours = 1;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     /* llvmpipe of Mesa 20.3 would mix levels of detail as OpenGL does not; later versions ignore
@@ -147,8 +148,7 @@ void canvas_close(struct canvas *canvas)
 
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)
 {
-    canvas->pixels = pixels;
-    if (!canvas->contexts->kind->use(canvas, err))
+    if (!canvas->contexts->kind->use(canvas, pixels, err))
         return false;
     canvas->contexts->current = canvas;
     return true;

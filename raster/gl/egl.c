@@ -77,10 +77,17 @@ static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
 static bool make_buffers(const struct canvas *canvas, struct error *err)
 {
     const struct gl_functions *call = &canvas->contexts->call;
+    const int n = canvas->contexts->n_colours;
+    GLenum colours[MOST_AT_ONCE];
     GLuint framebuffer;
     call->GenFramebuffers(1, &framebuffer);
     call->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    add_buffer(canvas, colour_format(canvas), GL_COLOR_ATTACHMENT0);
+    for (int i = 0; i < n; i++) {
+        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+        add_buffer(canvas, colour_format(canvas), colours[i]);
+    }
+    if (n > 1)
+        call->DrawBuffers(n, colours);
     add_buffer(canvas, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
     return call->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE ||
            error_unsupported(err, "EGL's OpenGL gives no framebuffer of %d x %d pixels of %d bits",
@@ -120,16 +127,19 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
     return true;
 }
 
-static bool use_canvas(struct canvas *canvas, struct error *err)
+static bool use_canvas(struct canvas *canvas, void *pixels, struct error *err)
 {
+    (void)pixels;
     return canvas->contexts->current == canvas ||
            make_current(egl_of(canvas), canvas->context, err);
 }
 
-static void fill_canvas(const struct canvas *canvas)
+static void fill_canvas(const struct canvas *canvas, int colours, void *pixels)
 {
-    canvas->contexts->call.ReadPixels(0, 0, canvas->width, canvas->height, GL_RGBA,
-                                      canvas_type(canvas), canvas->pixels);
+    const struct gl_functions *call = &canvas->contexts->call;
+    if (canvas->contexts->n_colours > 1)
+        call->ReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)colours);
+    call->ReadPixels(0, 0, canvas->width, canvas->height, GL_RGBA, canvas_type(canvas), pixels);
 }
 
 static void close_canvas(struct canvas *canvas)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* All renderers through OpenGL do this: they aim at a tile, draw the numbers of its triangles and
- * its shadows once, and a frame of three bands at a time, each group of lights by itself. */
+ * its shadows once, and a batch of frames at a time, each of three bands, and each group of lights
+ * by itself. */
 #include "raster/gl/inside.h"
 
 /* ---- a tile ---- */
@@ -52,11 +53,6 @@ static void clear(const struct drawing *of)
     canvas->is_stale = false;
 }
 
-static void fill(const struct drawing *of)
-{
-    of->contexts->kind->fill(of->contexts->current);
-}
-
 void turn_fronts(struct drawing *of, bool mirrored)
 {
     const GLenum front = mirrored != of->contexts->mirrored ? GL_CW : GL_CCW;
@@ -94,7 +90,7 @@ static bool frame_identify(struct renderer *renderer, struct error *err)
     struct drawing *of = (struct drawing *)renderer;
     if (!draw_numbers(of, false, err))
         return false;
-    fill(of);
+    of->contexts->kind->fill(of->contexts->current, 0, of->shown);
     if (!of->renderer.lacks.depths)
         of->call->ReadPixels(0, 0, of->plan->tile_width, of->plan->tile_height, GL_DEPTH_STENCIL,
                              GL_UNSIGNED_INT_24_8, of->depths);
@@ -115,39 +111,49 @@ static struct shown frame_shown(const struct renderer *renderer, int x, int y)
 
 /* ---- colours ---- */
 
-static bool draw_group(struct drawing *of, int group, int first_band, struct error *err)
+static bool draw_group(struct drawing *of, int group, const struct frame_batch *batch,
+                       struct error *err)
 {
     clear(of);
     for (int i = 0; i < of->plan->n_instances; i++) {
         if (!surface_reaches(&of->lit->bounds[i], &of->tile))
             continue;
-        if (!of->kind->draw_instance(of, i, group, first_band, err))
+        if (!of->kind->draw_instance(of, i, group, batch, err))
             return false;
         of->renderer.work.draw_calls++;
     }
-    fill(of);
     of->renderer.work.passes++;
     return true;
 }
 
-static bool frame_draw(struct renderer *renderer, int buffer, int first_band, struct error *err)
+/* Puts the colours of a group of lights into a buffer, or adds them there. */
+static void add_group(const struct drawing *of, int group, int colours, float *sum)
+{
+    float *pixels = group == 0 ? sum : of->part;
+    of->contexts->kind->fill(of->contexts->current, colours,
+                             of->steps ? (void *)of->steps : pixels);
+    if (of->steps)
+        pass_convert(of->plan, of->steps, pixels);
+    if (group > 0)
+        pass_add(of->plan, of->part, shadows_of(of, group), sum);
+}
+
+static bool frame_draw(struct renderer *renderer, const struct frame_batch *batch,
+                       struct error *err)
 {
     struct drawing *of = (struct drawing *)renderer;
-    float *sum = of->renderer.buffers[buffer];
+    float *const *buffers = of->renderer.buffers;
     if (of->plan->view.n_shadowed > 0 && !of->has_shadows && !draw_numbers(of, true, err))
         return false;
     for (int group = 0; group < of->plan->n_light_groups; group++) {
-        float *pixels = group == 0 ? sum : of->part;
         if (!group_is_drawn(of->plan, group))
             continue;
-        if (!frame_begin(of, pixels, false, err) ||
-            (group == 0 && !textures_upload_bands(of, first_band, err)) ||
-            !draw_group(of, group, first_band, err))
+        if (!frame_begin(of, group == 0 ? buffers[batch->buffers[0]] : of->part, false, err) ||
+            (group == 0 && !textures_upload_bands(of, batch, err)) ||
+            !draw_group(of, group, batch, err))
             return false;
-        if (of->steps)
-            pass_convert(of->plan, of->steps, pixels);
-        if (group > 0)
-            pass_add(of->plan, of->part, shadows_of(of, group), sum);
+        for (int i = 0; i < batch->n; i++)
+            add_group(of, group, i, buffers[batch->buffers[i]]);
     }
     return functions_succeeded(of->call, err);
 }

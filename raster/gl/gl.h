@@ -71,12 +71,14 @@
     EACH(void, TexCoordPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))    \
     EACH(void, VertexPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))
 #define SHADER_FUNCTIONS(EACH)                                                                     \
+    EACH(void, ActiveTexture, (GLenum unit))                                                       \
     EACH(void, AttachShader, (GLuint program, GLuint shader))                                      \
     EACH(void, BindVertexArray, (GLuint array))                                                    \
     EACH(void, CompileShader, (GLuint shader))                                                     \
     EACH(GLuint, CreateProgram, (void))                                                            \
     EACH(GLuint, CreateShader, (GLenum type))                                                      \
     EACH(void, DisableVertexAttribArray, (GLuint index))                                           \
+    EACH(void, DrawBuffers, (GLsizei n, const GLenum *buffers))                                    \
     EACH(void, EnableVertexAttribArray, (GLuint index))                                            \
     EACH(void, GenVertexArrays, (GLsizei n, GLuint * arrays))                                      \
     EACH(void, GetProgramiv, (GLuint program, GLenum name, GLint * value))                         \
@@ -85,10 +87,12 @@
     EACH(const GLubyte *, GetStringi, (GLenum name, GLuint index))                                 \
     EACH(GLint, GetUniformLocation, (GLuint program, const char *name))                            \
     EACH(void, LinkProgram, (GLuint program))                                                      \
+    EACH(void, ReadBuffer, (GLenum buffer))                                                        \
     EACH(void, ShaderSource,                                                                       \
          (GLuint shader, GLsizei n, const char *const *texts, const GLint *lengths))               \
     EACH(void, Uniform1f, (GLint at, GLfloat value))                                               \
     EACH(void, Uniform1fv, (GLint at, GLsizei n, const GLfloat *values))                           \
+    EACH(void, Uniform1iv, (GLint at, GLsizei n, const GLint *values))                             \
     EACH(void, Uniform3fv, (GLint at, GLsizei n, const GLfloat *values))                           \
     EACH(void, Uniform4fv, (GLint at, GLsizei n, const GLfloat *values))                           \
     EACH(void, UniformMatrix3fv,                                                                   \
@@ -127,12 +131,13 @@ struct drawing;
 /* All in which lighting of OpenGL's own and shaders differ. */
 struct drawing_kind {
     size_t size; /* of the struct that begins with struct drawing, in bytes; it begins zeroed */
+    int most_at_once; /* frames that it draws at once: see struct renderer */
     /* Sets the state of a new context that no pass changes. The context is in use. */
     bool (*set_state)(struct drawing *of, struct error *err);
     void (*project)(const struct drawing *of); /* loads drawing_projection; NULL: not here */
-    /* Draws an instance in the bands of a pass, under one group of lights. */
-    bool (*draw_instance)(struct drawing *of, int instance, int group, int first_band,
-                          struct error *err);
+    /* Draws an instance in the bands of a batch, under one group of lights. */
+    bool (*draw_instance)(struct drawing *of, int instance, int group,
+                          const struct frame_batch *batch, struct error *err);
     /* Between these two calls triangles are drawn in their numbers: those of an instance that is
      * placed, some corners at a time. `end` NULL: there is nothing to do. */
     bool (*begin_numbers)(struct drawing *of, struct error *err);
@@ -152,7 +157,7 @@ struct drawing {
     struct canvas *numbers; /* of floats, where `colours` has steps */
     const struct gl_functions *call;
     /* names of the buffer objects of meshes, 0: not in view; of triangles: each mesh's, then those
-     * of instances that hide some; of textures, 0: not drawn; owned */
+     * of instances that hide some; of textures, n_at_once for each, 0: not drawn; owned */
     unsigned *objects, *indices, *textures;
     /* 4 floats a pixel: of some lights, NULL: one pass has all; numbers, NULL: no check; owned */
     float *part, *shown;
@@ -175,7 +180,9 @@ bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int 
 /* Binds the vertices of an instance, VERTEX_NUMBERS floats each, and its triangles, and says how
  * its fronts turn. Returns how many corners these have. */
 int mesh_bind(struct drawing *of, int instance);
-void texture_bind(struct drawing *of, const struct texture *texture); /* one of the plan, drawn */
+/* Binds a texture of the plan, which is drawn: a spectral one for each frame of a batch to the unit
+ * of its number, another one to unit 0. */
+void texture_bind(struct drawing *of, const struct texture *texture);
 /* Returns what makes the aimed tile fill clip space. */
 struct matrix drawing_projection(const struct drawing *of);
 

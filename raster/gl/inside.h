@@ -22,6 +22,7 @@ struct contexts {
     struct gl_functions call;
     bool mirrored; /* the projection must turn y around, so that the first row that OpenGL draws is
                       the top, and fronts go round with the clock; known when a canvas is open */
+    int n_colours; /* buffers of colours that a canvas has; at most MOST_AT_ONCE */
     struct canvas *current;
     const struct context_kind *kind; /* NULL: no library was found */
     void *own;                       /* of osmesa.c or egl.c; owned */
@@ -43,21 +44,20 @@ void contexts_close(struct contexts *contexts); /* NULL is fine; after all of it
 /* Returns whether OpenGL has an extension; a canvas is open. */
 bool contexts_have(const struct contexts *contexts, const char *extension);
 
-/* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
+/* A context with buffers of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
  * own, and shares no objects. */
 struct canvas {
     struct contexts *contexts;
     int bits; /* of a channel: 8, 10 (EGL), 16, or 32 of floats */
     int width, height;
     void *context; /* the library's; NULL: none */
-    void *pixels;
     bool is_stale; /* it has colours of another tile; its user keeps this */
 };
 /* The caller closes *out, also after a failure. */
 bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
                  struct error *err);
 void canvas_close(struct canvas *canvas); /* NULL is fine */
-/* Makes OpenGL draw on the canvas, whose pixels go to the caller's memory: rows from the top. */
+/* Makes OpenGL draw on the canvas. `pixels`: where `fill` puts buffer 0 of its colours. */
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
 GLenum canvas_type(const struct canvas *canvas); /* of a channel */
 
@@ -74,9 +74,10 @@ struct context_kind {
     void (*end)(struct contexts *contexts); /* NULL: there is nothing to end */
     /* of a canvas */
     bool (*open)(struct canvas *canvas, struct error *err);
-    bool (*use)(struct canvas *canvas, struct error *err);
-    /* Waits until all is drawn, and has filled the caller's pixels. */
-    void (*fill)(const struct canvas *canvas);
+    bool (*use)(struct canvas *canvas, void *pixels, struct error *err);
+    /* Waits until all is drawn, and puts a buffer of colours into the caller's memory: rows from
+     * the top. For buffer 0, `use` gets the same memory. */
+    void (*fill)(const struct canvas *canvas, int colours, void *pixels);
     void (*close)(struct canvas *canvas);
 };
 extern const struct context_kind osmesa_kind, egl_kind;
@@ -91,8 +92,8 @@ bool has_extension(const char *list, const char *name); /* list: words; NULL: no
 
 /* As struct renderer_kind says. Uploads all but the texels of spectral textures. */
 bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
-/* Uploads the texels of spectral textures for the bands of a pass. */
-bool textures_upload_bands(struct drawing *of, int first_band, struct error *err);
+/* Uploads the texels of spectral textures for the bands of a batch. */
+bool textures_upload_bands(struct drawing *of, const struct frame_batch *batch, struct error *err);
 /* Gives the triangles of all instances that reach the tile, and are not hidden, to draw_corners. */
 bool numbers_draw(struct drawing *of, struct error *err);
 

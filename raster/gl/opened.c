@@ -159,10 +159,30 @@ static bool fits(const struct drawing *of, const struct texture *texture, struct
                              texture->image.path);
 }
 
+/* The names of a texture: one for each frame of a batch if it is spectral, otherwise one. */
+static GLuint *texture_names(const struct drawing *of, const struct texture *texture)
+{
+    return of->textures + (texture - of->plan->textures) * of->renderer.n_at_once;
+}
+
+static int count_names(const struct drawing *of, const struct texture *texture)
+{
+    return texture->spectral ? of->renderer.n_at_once : 1;
+}
+
+/* The next calls set the texture of this unit. */
+static void choose_unit(const struct drawing *of, int unit)
+{
+    if (of->renderer.n_at_once > 1)
+        of->call->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+}
+
 void texture_bind(struct drawing *of, const struct texture *texture)
 {
-    if (of->texture != texture)
-        of->call->BindTexture(GL_TEXTURE_2D, of->textures[texture - of->plan->textures]);
+    for (int i = 0; i < count_names(of, texture) && of->texture != texture; i++) {
+        choose_unit(of, i);
+        of->call->BindTexture(GL_TEXTURE_2D, texture_names(of, texture)[i]);
+    }
     of->texture = texture;
 }
 
@@ -194,12 +214,15 @@ static bool upload_texture(struct drawing *of, int index, struct error *err)
                 smaller = texture->mipmapped ? GL_LINEAR_MIPMAP_LINEAR : filter;
     if (!fits(of, texture, err))
         return false;
-    of->call->GenTextures(1, &of->textures[index]);
+    of->call->GenTextures(count_names(of, texture), texture_names(of, texture));
     texture_bind(of, texture);
-    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
-    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    for (int i = 0; i < count_names(of, texture); i++) {
+        choose_unit(of, i);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    }
     const struct texel_format grey = {shaders ? GL_R32F : GL_LUMINANCE32F_ARB,
                                       shaders ? GL_RED : GL_LUMINANCE, 1};
     if (!texture->spectral)
@@ -210,7 +233,7 @@ static bool upload_texture(struct drawing *of, int index, struct error *err)
 static bool textures_upload(struct drawing *of, struct error *err)
 {
     const int n = of->plan->n_textures;
-    if (!MAKE_ARRAY(of->textures, n, err, "%d textures", n))
+    if (!MAKE_ARRAY(of->textures, n * of->renderer.n_at_once, err, "%d textures", n))
         return false;
     for (int i = 0; i < n; i++)
         if (texture_is_drawn(of->plan, &of->plan->textures[i]) && !upload_texture(of, i, err))
@@ -218,25 +241,33 @@ static bool textures_upload(struct drawing *of, struct error *err)
     return true;
 }
 
-bool textures_upload_bands(struct drawing *of, int first_band, struct error *err)
+static bool upload_bands(struct drawing *of, struct texture *texture,
+                         const struct frame_batch *batch, struct error *err)
 {
     static const struct texel_format rgb = {GL_RGB32F_ARB, GL_RGB, BANDS_PER_PASS};
-    bool done = true;
-    for (int i = 0; i < of->plan->n_textures && done; i++) {
-        struct texture *texture = &of->plan->textures[i];
-        float *texels;
-        if (!of->textures[i] || !texture->spectral)
-            continue;
-        done = MAKE_ARRAY(texels, texture->plane_size * BANDS_PER_PASS, err, "the texels of %s",
-                          texture->image.path) &&
-               pass_texels(of->plan, texture, first_band, texels, err);
-        if (done) {
-            texture_bind(of, texture);
+    float *texels;
+    bool done = MAKE_ARRAY(texels, texture->plane_size * BANDS_PER_PASS, err, "the texels of %s",
+                           texture->image.path);
+    texture_bind(of, texture);
+    for (int i = 0; i < batch->n && done; i++) {
+        done = pass_texels(of->plan, texture, batch->first_bands[i], texels, err);
+        choose_unit(of, i);
+        if (done)
             upload_levels(of, texture, &rgb, texels);
-        }
-        free(texels);
     }
+    free(texels);
     return done;
+}
+
+bool textures_upload_bands(struct drawing *of, const struct frame_batch *batch, struct error *err)
+{
+    for (int i = 0; i < of->plan->n_textures; i++) {
+        struct texture *texture = &of->plan->textures[i];
+        if (texture->spectral && texture_names(of, texture)[0] &&
+            !upload_bands(of, texture, batch, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- a library as it describes itself ---- */
@@ -302,7 +333,8 @@ static bool make_buffers(struct drawing *of, int n_buffers, struct error *err)
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height,
                  size = plan->options.buffer_bits > 8 ? 8 : 4,
                  n_shadows = (size_t)plan->view.n_shadowed;
-    return renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) &&
+    return renderer_make_buffers(&of->renderer, n_buffers + of->renderer.n_at_once - 1, n,
+                                 "the pixels of a tile", err) &&
            (n_shadows == 0 ||
             (MAKE_ARRAY(of->reached, n_shadows * n, err, "the shadows of a tile") &&
              MAKE_ARRAY(of->counts, n, err, "the shadows of a tile"))) &&
@@ -366,8 +398,11 @@ bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int 
     of->kind = kind;
     of->plan = plan;
     of->front = GL_CCW;
+    of->renderer.n_at_once =
+        plan->n_passes < kind->most_at_once ? plan->n_passes : kind->most_at_once;
     if (!make_buffers(of, n_buffers, err) || !contexts_open(&plan->options, &of->contexts, err))
         return false;
+    of->contexts->n_colours = of->renderer.n_at_once;
     of->call = &of->contexts->call;
     if (!open_canvas(of, false, err) || !accept(of, err) || !kind->set_state(of, err))
         return false;

@@ -32,10 +32,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
     return canvas->context || error_system(err, "OSMesa gives no context");
 }
 
-static bool use_canvas(struct canvas *canvas, struct error *err)
+static bool use_canvas(struct canvas *canvas, void *pixels, struct error *err)
 {
     const struct osmesa *osmesa = osmesa_of(canvas);
-    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas), canvas->width,
+    if (!osmesa->make_current(canvas->context, pixels, canvas_type(canvas), canvas->width,
                               canvas->height))
         return error_system(err, "OSMesa gives no context of %d x %d pixels of %d bits a channel",
                             canvas->width, canvas->height, canvas->bits);
@@ -45,8 +45,9 @@ static bool use_canvas(struct canvas *canvas, struct error *err)
 }
 
 /* Only now does OSMesa fill the caller's memory. */
-static void fill_canvas(const struct canvas *canvas)
+static void fill_canvas(const struct canvas *canvas, int colours, void *pixels)
 {
+    (void)colours, (void)pixels;
     canvas->contexts->call.Finish();
 }
 

@@ -194,14 +194,14 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded, in
         texture_bind(&gl->base, shaded->texture);
 }
 
-static bool draw_instance(struct drawing *of, int instance, int group, int first_band,
-                          struct error *err)
+static bool draw_instance(struct drawing *of, int instance, int group,
+                          const struct frame_batch *batch, struct error *err)
 {
     struct gl *gl = (struct gl *)of;
     const struct placed_instance *placed = &of->plan->instances[instance];
     (void)err; /* see functions_succeeded */
     place_lights(gl, group);
-    set_material(gl, &of->plan->materials[placed->shaded], group, first_band);
+    set_material(gl, &of->plan->materials[placed->shaded], group, batch->first_bands[0]);
     if (gl->two_sided != placed->object->two_sided)
         of->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     gl->two_sided = placed->object->two_sided;
@@ -249,6 +249,7 @@ static void end_numbers(struct drawing *of)
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
     static const struct drawing_kind kind = {.size = sizeof(struct gl),
+                                             .most_at_once = 1,
                                              .set_state = set_state,
                                              .project = project,
                                              .draw_instance = draw_instance,

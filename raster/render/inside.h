@@ -55,7 +55,8 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 
 /* Adds the seconds since *since to a part, and makes now the new *since. */
 void clock_in(double *since, double *part);
-/* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots. */
+/* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots, where
+ * it draws one frame at once. */
 enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MOST_PILOT_PASSES };
 /* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
 bool stages_run(struct rendering *of, struct error *err);

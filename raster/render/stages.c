@@ -46,6 +46,7 @@ static bool has_pilots(const struct state *state, int frame)
     return false;
 }
 
+enum { TAKEN = -1 }; /* a place whose frame is being drawn */
 static long frame_number(const struct state *state, int tile, int frame)
 {
     return 1 + (long)tile * state->plan->passes.n_frames + frame;
@@ -66,17 +67,31 @@ static bool draw_numbers(struct state *state, int tile, struct error *err)
     return true;
 }
 
-static bool draw_frame(struct state *state, int tile, int first_band, struct error *err)
+/* Waits for free places, and takes them for the frames of a batch. */
+static bool take_places(struct state *state, struct frame_batch *batch)
+{
+    for (int i = 0; i < batch->n; i++) {
+        batch->buffers[i] = places_wait(&state->frames, 0);
+        if (batch->buffers[i] < 0)
+            return false;
+        places_set(&state->frames, batch->buffers[i], TAKEN);
+    }
+    return true;
+}
+
+static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
-    const int frame = state->plan->passes.frame[first_band / BANDS_PER_PASS],
-              place = places_wait(&state->frames, 0);
+    if (!take_places(state, batch))
+        return false;
     double since = clock_seconds();
-    if (place < 0 ||
-        (renderer->kind->draw && !renderer->kind->draw(renderer, place, first_band, err)))
+    if (renderer->kind->draw && !renderer->kind->draw(renderer, batch, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
-    places_set(&state->frames, place, frame_number(state, tile, frame));
+    for (int i = 0; i < batch->n; i++) {
+        const int frame = state->plan->passes.frame[batch->first_bands[i] / BANDS_PER_PASS];
+        places_set(&state->frames, batch->buffers[i], frame_number(state, tile, frame));
+    }
     return true;
 }
 
@@ -100,9 +115,14 @@ static bool draw_tile(struct state *state, int tile, const int *first_bands, str
         renderer->kind->aim(renderer, &at);
     if (state->plan->options.check && !draw_numbers(state, tile, err))
         return false;
-    for (int i = 0; i < state->plan->passes.n_frames; i++)
-        if (!draw_frame(state, tile, first_bands[i], err))
+    const int n_frames = state->plan->passes.n_frames;
+    for (int i = 0; i < n_frames;) {
+        struct frame_batch batch = {.n = 0};
+        while (batch.n < renderer->n_at_once && i < n_frames)
+            batch.first_bands[batch.n++] = first_bands[i++];
+        if (!draw_batch(state, tile, &batch, err))
             return false;
+    }
     return true;
 }
 
@@ -501,7 +521,8 @@ bool stages_run(struct rendering *of, struct error *err)
     struct state state = {.of = of, .plan = of->plan, .frame = DARK};
     state.numbers = (struct places){.pipeline = &pipeline, .n = 1};
     state.frames = (struct places){.pipeline = &pipeline,
-                                   .n = of->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES};
+                                   .n = (of->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES) +
+                                        (of->renderer ? of->renderer->n_at_once - 1 : 0)};
     bool done = allocate(&state, err);
     if (done && of->renderer) /* OpenGL's context is this thread's */
         done = pipeline_run(&pipeline, of->plan->options.threads == 1, draw_tiles, treat_tiles,

@@ -114,8 +114,9 @@ struct renderer_lacks {
 };
 
 /* An open renderer of a plan. A room embeds it as the first member of a struct of its own. One
- * thread draws, the one that opened it. */
-enum { MOST_BUFFERS = 8 };
+ * thread draws, the one that opened it. Frames drawn at once: every OpenGL ES 3.0 has four buffers
+ * of colours; with more of them a render is not faster, measured on llvmpipe. */
+enum { MOST_BUFFERS = 8, MOST_AT_ONCE = 4 };
 struct renderer {
     const struct renderer_kind *kind;
     /* Each buffer has its last drawing, until something is drawn there again; other threads may
@@ -123,11 +124,17 @@ struct renderer {
      * colour buffer has steps; 4 floats a pixel, rows of the plan's tile_width from the top; owned
      */
     float *buffers[MOST_BUFFERS];
+    int n_at_once; /* frames that it draws at once, each into a buffer of its own */
     struct renderer_names names;
     struct driver driver;      /* by which it is judged */
     struct renderer_work work; /* of all that was drawn so far */
     struct renderer_lacks lacks;
     bool unfiltered; /* it refuses linear textures */
+};
+/* Frames that are drawn at once: in each, bands first_band .. first_band + BANDS_PER_PASS - 1
+ * (those that exist) go into a buffer. */
+struct frame_batch {
+    int n, buffers[MOST_AT_ONCE], first_bands[MOST_AT_ONCE];
 };
 /* All but `shown` may be NULL, where a renderer has nothing to do: its pixels are there already. */
 struct renderer_kind {
@@ -136,9 +143,9 @@ struct renderer_kind {
     bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
     /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
     void (*aim)(struct renderer *of, const struct rectangle *tile);
-    /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
-     * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
-    bool (*draw)(struct renderer *of, int buffer, int first_band, struct error *err);
+    /* Draws at most n_at_once frames of the aimed tile. Where the plan asks for a check, `identify`
+     * comes before. */
+    bool (*draw)(struct renderer *of, const struct frame_batch *batch, struct error *err);
     /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
     bool (*identify)(struct renderer *of, struct error *err);
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A
@@ -164,10 +171,11 @@ struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 
 /* How this program draws through OpenGL: see raster/beside/ways.c. */
 struct drawing_ways {
-    /* Opens a renderer of a plan, which must outlive *out, with so many buffers, at most
-     * MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable OpenGL, or not the driver that
-     * the plan asks for. The caller closes *out unless it is NULL, also after a failure. One can be
-     * open at a time. NULL: this program does not draw so. */
+    /* Opens a renderer of a plan, which must outlive *out, with so many buffers, and one more for
+     * each frame that it draws at once beyond the first; at most MOST_BUFFERS. Fails with
+     * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
+     * caller closes *out unless it is NULL, also after a failure. One can be open at a time. NULL:
+     * this program does not draw so. */
     bool (*open[GL_WAYS])(const struct plan *plan, int n_buffers, struct renderer **out,
                           struct error *err);
     /* Measures the driver that these options choose, by a renderer of its own; none is open. Fails

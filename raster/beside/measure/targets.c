@@ -51,10 +51,11 @@ static bool draw(struct targets *of, struct error *err)
         !find_full_scale(&of->lit, err) || !kind->take_scene(of->source, &of->lit, err))
         return false;
     for (int i = 0; i < 2; i++) {
+        const struct frame_batch batch = {.n = 1, .buffers = {i}};
         if (kind->aim)
             kind->aim(of->source, &all);
         if ((kind->identify && !kind->identify(of->source, err)) ||
-            !kind->draw(of->source, i, 0, err))
+            !kind->draw(of->source, &batch, err))
             return false;
     }
     return memcmp(of->source->buffers[0], of->source->buffers[1],
@@ -73,8 +74,8 @@ static struct shown kept_shown(const struct renderer *of, int x, int y)
 static void keep(struct targets *of)
 {
     static const struct renderer_kind kind = {.shown = kept_shown};
-    of->kept =
-        (struct renderer){.kind = &kind, .names = of->source->names, .lacks = of->source->lacks};
+    of->kept = (struct renderer){
+        .kind = &kind, .n_at_once = 1, .names = of->source->names, .lacks = of->source->lacks};
     for (int i = 0; i < MOST_BUFFERS; i++)
         of->kept.buffers[i] = of->source->buffers[0];
 }

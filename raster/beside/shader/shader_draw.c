@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Objects by shaders: each gets the program of its effects, and the colours of its material. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
@@ -52,17 +53,31 @@ static void place_instance(const struct shader *shader, const struct program *pr
 
 /* ---- drawing ---- */
 
+/* The colours of the frames of a batch: a column of a matrix has those of one frame. Frames that a
+ * batch does not have are black. */
+typedef GLfloat batch_colours[MOST_AT_ONCE][4];
+
 /* Gives a program the colours of a material. */
 static void set_material(const struct shader *shader, const struct program *program,
-                         const struct shaded_material *shaded, int group, int first_band)
+                         const struct shaded_material *shaded, int group,
+                         const struct frame_batch *batch)
 {
     const struct gl_functions *call = shader->base.call;
-    struct pass_colours colours;
-    pass_colours(shader->base.plan, shaded, group, first_band, shader->base.lit->full_scale,
-                 &colours);
-    call->Uniform4fv(program->constant, 1, colours.constant);
-    call->Uniform4fv(program->diffuse, colours.n_lights, colours.diffuse[0]);
-    call->Uniform4fv(program->specular, colours.n_lights, colours.specular[0]);
+    batch_colours constant = {{0}}, diffuse[LIGHTS_PER_PASS] = {{{0}}},
+                  specular[LIGHTS_PER_PASS] = {{{0}}};
+    struct pass_colours colours = {.n_lights = 0};
+    for (int k = 0; k < batch->n; k++) {
+        pass_colours(shader->base.plan, shaded, group, batch->first_bands[k],
+                     shader->base.lit->full_scale, &colours);
+        memcpy(constant[k], colours.constant, sizeof constant[k]);
+        for (int i = 0; i < colours.n_lights; i++) {
+            memcpy(diffuse[i][k], colours.diffuse[i], sizeof diffuse[i][k]);
+            memcpy(specular[i][k], colours.specular[i], sizeof specular[i][k]);
+        }
+    }
+    call->UniformMatrix4fv(program->constant, 1, GL_FALSE, constant[0]);
+    call->UniformMatrix4fv(program->diffuse, colours.n_lights, GL_FALSE, diffuse[0][0]);
+    call->UniformMatrix4fv(program->specular, colours.n_lights, GL_FALSE, specular[0][0]);
     call->Uniform1f(program->gloss, (GLfloat)shaded->material->gloss);
 }
 
@@ -81,8 +96,8 @@ static struct program_effects effects_of(const struct shader *shader, int instan
     return out;
 }
 
-static bool draw_instance(struct drawing *of, int instance, int group, int first_band,
-                          struct error *err)
+static bool draw_instance(struct drawing *of, int instance, int group,
+                          const struct frame_batch *batch, struct error *err)
 {
     struct shader *shader = (struct shader *)of;
     const struct shaded_material *shaded =
@@ -91,7 +106,7 @@ static bool draw_instance(struct drawing *of, int instance, int group, int first
     const struct program *program = program_use(shader, &effects, err);
     if (!program)
         return false;
-    set_material(shader, program, shaded, group, first_band);
+    set_material(shader, program, shaded, group, batch);
     place_instance(shader, program, instance);
     if (effects.texture != UNTEXTURED)
         texture_bind(of, shaded->texture);
@@ -157,6 +172,7 @@ static void close_shader(struct drawing *of)
 bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
     static const struct drawing_kind kind = {.size = sizeof(struct shader),
+                                             .most_at_once = MOST_AT_ONCE,
                                              .set_state = set_state,
                                              .draw_instance = draw_instance,
                                              .begin_numbers = begin_numbers,

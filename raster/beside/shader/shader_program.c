@@ -72,7 +72,7 @@ static void print_lighting(const struct shader *of, const struct program_effects
                    "{\n"
                    "    return exponent == 0.0 ? 1.0 : base > 0.0 ? pow(base, exponent) : 0.0;\n"
                    "}\n"
-                   "void light(vec3 normal_there, vec3 eye, vec3 viewer, out vec4 sum)\n{\n"
+                   "void light(vec3 normal_there, vec3 eye, vec3 viewer, out mat4 sum)\n{\n"
                    "    sum = constant;\n");
     for (int i = 0; i < lights.n; i++)
         if (!plan->is_idle[lights.first + i])
@@ -93,16 +93,16 @@ static void print_vertex_variables(const struct shader *of, const struct program
           "uniform mat4 to_clip, to_eye;\n"
           "uniform mat3 normals;\n"
           "uniform float gloss;\n"
-          "uniform vec4 constant, diffuse[%d], specular[%d];\n"
+          "uniform mat4 constant, diffuse[%d], specular[%d];\n"
           "uniform vec3 place[%d], attenuation[%d];\n"
           "uniform vec4 axis[%d];\n"
           "uniform float exponent[%d];\n"
           "invariant gl_Position;\n"
           "out vec2 at;\n"
-          "%sout vec4 front;\n",
+          "%sout mat4 front;\n",
           lights, lights, lights, lights, lights, lights, flat);
     if (effects->two_sided)
-        print(to, "%sout vec4 back;\n", flat);
+        print(to, "%sout mat4 back;\n", flat);
 }
 
 static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
@@ -130,23 +130,27 @@ static void print_vertex_shader(const struct shader *of, const struct program_ef
 static void print_fragment_shader(const struct shader *of, const struct program_effects *effects,
                                   struct printed *to)
 {
-    static const char *const by_texture[] = {
-        [UNTEXTURED] = "",
-        [GREY_TEXTURE] = " * vec4(texture(texels, at).rrr, 1.0)",
-        [SPECTRAL_TEXTURE] = " * vec4(texture(texels, at).rgb, 1.0)"};
+    const int n = of->base.renderer.n_at_once;
     const char *flat = is_flat(of) ? "flat " : "";
     program_begin(of->base.plan->options.gl_way, to);
-    print(to, "in vec2 at;\n%sin vec4 front;\n", flat);
+    print(to, "in vec2 at;\n%sin mat4 front;\n", flat);
     if (effects->two_sided)
-        print(to, "%sin vec4 back;\n", flat);
+        print(to, "%sin mat4 back;\n", flat);
     print(to,
-          "layout(location = 0) out vec4 colour;\n"
-          "uniform sampler2D texels;\n"
+          "layout(location = 0) out vec4 colours[%d];\n"
+          "uniform sampler2D texels[%d];\n"
           "void main()\n{\n"
-          "    colour = %s%s;\n"
-          "}\n",
-          effects->two_sided ? "(gl_FrontFacing ? front : back)" : "front",
-          by_texture[effects->texture]);
+          "    mat4 lit = %s;\n",
+          n, n, effects->two_sided ? "gl_FrontFacing ? front : back" : "front");
+    for (int k = 0; k < n; k++) {
+        print(to, "    colours[%d] = lit[%d]", k, k);
+        if (effects->texture == GREY_TEXTURE)
+            print_text(to, " * vec4(texture(texels[0], at).rrr, 1.0)");
+        if (effects->texture == SPECTRAL_TEXTURE)
+            print(to, " * vec4(texture(texels[%d], at).rgb, 1.0)", k);
+        print_text(to, ";\n");
+    }
+    print_text(to, "}\n");
 }
 
 /* ---- making a program ---- */
@@ -207,9 +211,10 @@ static void find_variables(const struct shader *of, struct program *program)
         *variables[i].at = of->base.call->GetUniformLocation(program->name, variables[i].name);
 }
 
-/* Sets what no pass changes: the lights of the group. */
+/* Sets what no pass changes: the lights of the group, and the units of textures. */
 static void set_lights(const struct shader *of, int group, GLuint program)
 {
+    static const GLint units[MOST_AT_ONCE] = {0, 1, 2, 3};
     const struct gl_functions *call = of->base.call;
     GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
             axis[LIGHTS_PER_PASS][4] = {{0}}, exponent[LIGHTS_PER_PASS] = {0};
@@ -231,11 +236,14 @@ static void set_lights(const struct shader *of, int group, GLuint program)
     call->Uniform3fv(call->GetUniformLocation(program, "attenuation"), n, attenuation[0]);
     call->Uniform4fv(call->GetUniformLocation(program, "axis"), n, axis[0]);
     call->Uniform1fv(call->GetUniformLocation(program, "exponent"), n, exponent);
+    call->Uniform1iv(call->GetUniformLocation(program, "texels"), of->base.renderer.n_at_once,
+                     units);
 }
 
 /* ---- the programs ---- */
 
-/* Prints the shaders that draw the numbers of triangles. */
+/* Prints the shaders that draw the numbers of triangles into the first buffer of colours. Other
+ * buffers get undefined colours there, and then those of frames, which show the same pixels. */
 static void print_numbers(enum gl_way way, struct printed *vertex, struct printed *fragment)
 {
     program_begin(way, vertex);

@@ -168,11 +168,13 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 
 /* ---- the renderer ---- */
 
-static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, struct error *err)
+static bool drawn_draw(struct renderer *renderer, const struct frame_batch *batch,
+                       struct error *err)
 {
     char name[FILE_NAME];
-    snprintf(name, sizeof name, "colours-%d.bin", first_band);
-    return read_numbers((struct drawn *)renderer, name, 4, renderer->buffers[buffer], NULL, err);
+    snprintf(name, sizeof name, "colours-%d.bin", batch->first_bands[0]);
+    return read_numbers((struct drawn *)renderer, name, 4, renderer->buffers[batch->buffers[0]],
+                        NULL, err);
 }
 
 static struct shown drawn_shown(const struct renderer *renderer, int x, int y)
@@ -252,6 +254,7 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
         return false;
     *out = &of->renderer;
     of->renderer.kind = &kind;
+    of->renderer.n_at_once = 1;
     of->plan = plan;
     of->pixels = pixels;
     if (plan->tiled)

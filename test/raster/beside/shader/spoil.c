@@ -8,7 +8,7 @@
  *     depths    OpenGL ES cannot read depths
  *     filters   OpenGL ES does not filter floats
  *
- * In shaders the light is that of the variable "diffuse". */
+ * In shaders the light is that of the variable "diffuse", matrices with a pass in each column. */
 #define _GNU_SOURCE
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -68,17 +68,17 @@ GLint glGetUniformLocation(GLuint program, const char *name)
     return at;
 }
 
-void glUniform4fv(GLint at, GLsizei n, const GLfloat *values)
+void glUniformMatrix4fv(GLint at, GLsizei n, GLboolean transposed, const GLfloat *values)
 {
-    void (*next)(GLint, GLsizei, const GLfloat *);
-    real("glUniform4fv", &next);
-    GLfloat *spoiled = malloc(4 * (size_t)n * sizeof *spoiled + 1);
+    void (*next)(GLint, GLsizei, GLboolean, const GLfloat *);
+    real("glUniformMatrix4fv", &next);
+    GLfloat *spoiled = malloc(16 * (size_t)n * sizeof *spoiled + 1);
     if (!spoiled)
         abort();
-    memcpy(spoiled, values, 4 * (size_t)n * sizeof *spoiled);
-    for (GLsizei i = 0; i < n && at == diffuse && spoils("diffuse"); i++)
+    memcpy(spoiled, values, 16 * (size_t)n * sizeof *spoiled);
+    for (GLsizei i = 0; i < 4 * n && at == diffuse && spoils("diffuse"); i++)
         spoiled[4 * i + 1] *= 0.99F;
-    next(at, n, spoiled);
+    next(at, n, transposed, spoiled);
     free(spoiled);
 }
 
