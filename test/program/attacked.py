@@ -282,15 +282,14 @@ class Report:
 # ---- judgement ----
 
 def normal(a_form, name, data):
-    """The content without seconds and bytes of memory. The order of cost's configurations and its chart follow from seconds."""
+    """The content without seconds and bytes of memory. The order of cost's samplings and its chart follow from seconds."""
     if not name.startswith("out/cost."):
         return MEASURED.sub(b"measured", data)
     if name.endswith(".json") and data.endswith(b"}\n"):
-        rows = json.loads(data)["configurations"]
-        return sorted((row["name"], row["dE00_mean"], row["dE00_largest"], str(row["radiance_error"])) for row in rows)
+        return sorted((row["options"], row["dE00_mean"], row["dE00_largest"]) for row in json.loads(data)["samplings"])
     if name.endswith(".csv"):
-        rows = [line.rsplit(b",", 10) for line in data.splitlines()]
-        return sorted((row[0], *row[5:9]) for row in rows)
+        rows = [line.rsplit(b",", 8) for line in data.splitlines()]
+        return sorted((row[0], *row[4:7]) for row in rows)
     return data.startswith(b"<?xml") and data.endswith(b"</svg>\n") or data
 
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in many
- * configurations, each by running this program as a user's command line does, and measures the
- * accuracy of their stacks. */
+/* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in some
+ * configurations, each by running this program as a user's command line does, and measures how far
+ * their stacks are off. */
 #ifndef RASTER_BESIDE_COST_COST_H
 #define RASTER_BESIDE_COST_COST_H
 
@@ -10,8 +10,7 @@
 
 /* ---- command.c: spectral cost ---- */
 
-/* Measures configurations of render and names the best. Fails with EXIT_DIFFERENT if none is within
- * the tolerance or the budget. */
+/* Names the cheapest configuration of render for some errors, and what else accuracy costs. */
 extern const struct command cost_command;
 
 #endif

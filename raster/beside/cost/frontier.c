@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* The chart of error over cost: steps join the points of the frontier, which no cheaper point
- * beats, and a legend names them. */
+/* The chart of error over seconds: steps join the configurations that no cheaper one beats. */
 #include <math.h>
+#include <string.h>
 
 #include "raster/beside/cost/inside.h"
 
-/* Points that the chart marks alike; bars have three for each configuration. */
+/* Configurations that the chart marks alike. */
 struct marks {
-    const char *names[MOST_CONFIGURATIONS];
-    double seconds[3 * MOST_CONFIGURATIONS], errors[3 * MOST_CONFIGURATIONS];
+    const char *names[MOST_SAMPLINGS];
+    double seconds[MOST_SAMPLINGS], errors[MOST_SAMPLINGS];
     int n;
 };
 
-static void mark(struct marks *marks, double seconds, double error)
+static void mark(struct marks *marks, const struct configuration *of, const struct timing *timing,
+                 double least)
 {
-    marks->seconds[marks->n] = seconds;
-    marks->errors[marks->n++] = error;
+    marks->names[marks->n] = of->words + strlen("--sampling=");
+    marks->seconds[marks->n] = median_of(timing);
+    marks->errors[marks->n++] = fmax(of->error.quantile_95, least);
 }
 
 static struct chart_series series_of(const char *name, enum chart_kind kind,
@@ -27,37 +29,34 @@ static struct chart_series series_of(const char *name, enum chart_kind kind,
 
 void cost_svg(const struct cost *cost, struct printed *to)
 {
-    struct marks best = {.n = 0}, others = {.n = 0}, uncertain = {.n = 0}, bars = {.n = 0};
+    struct marks best = {.n = 0}, unchecked = {.n = 0}, components = {.n = 0};
     double largest = 0;
     char title[512], label[96];
     for (int i = 0; i < cost->n; i++)
-        largest = fmax(largest, cost->entries[i].accuracy.quantile_95);
+        largest = fmax(largest, cost->samplings[i].error.quantile_95);
     const double least = largest > 0 ? largest / 1000 : 1;
     for (int i = 0; i < cost->n; i++) {
-        const struct cost_entry *entry = &cost->entries[i];
-        const double error = fmax(entry->accuracy.quantile_95, least);
-        best.names[best.n] = entry->name;
-        mark(entry->best ? &best : &others, entry->seconds, error);
-        if (entry->uncertain)
-            mark(&uncertain, entry->seconds, error);
-        mark(&bars, entry->fastest, error);
-        mark(&bars, entry->slowest, error);
-        mark(&bars, (double)NAN, error);
+        const struct configuration *one = &cost->samplings[i];
+        if (!one->best)
+            continue;
+        mark(one->components ? &components : &best, one, &one->checked, least);
+        if (!one->components)
+            mark(&unchecked, one, &one->unchecked, least);
     }
     struct chart_series series[] = {
-        series_of("on the frontier", CHART_STEPS, &best),
-        series_of("not on it", CHART_CIRCLES, &others),
-        series_of("either, within noise", CHART_RINGS, &uncertain),
-        series_of("from the fastest run to the slowest", CHART_BARS, &bars)};
+        series_of(cost->checked ? "checked" : "by the reference", CHART_STEPS, &best),
+        series_of("without spectra", CHART_RINGS, &components),
+        series_of("unchecked", CHART_CIRCLES, &unchecked)};
     series[0].labels = best.names;
+    series[1].labels = components.names;
     snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
              cost->observer);
     snprintf(label, sizeof label, "CIEDE2000, 95 %% of the pixels (%.2g: this or less)", least);
     const struct chart chart = {.title = title,
-                                .x_label = "seconds",
+                                .x_label = "seconds of processors",
                                 .y_label = label,
                                 .logarithmic = true,
                                 .series = series,
-                                .n = 4};
+                                .n = cost->checked ? 3 : 2};
     chart_svg(&chart, to);
 }

@@ -1,50 +1,84 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs each configuration of render several times, from exec to exit, and measures the accuracy of
- * its stack. */
+/* Renders the scene in each configuration, by running this program as a user's command line does,
+ * and measures how far its stack is off. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
+#include "raster/renderers/renderers.h"
 
-enum { DEFAULT_RUNS = 5 };
+/* What is tried, from few pages to many. A scene refuses some: spectral textures have no
+ * components. */
+static const char *const samplings[] = {"--sampling=rgb",
+                                        "--sampling=basis:4",
+                                        "--sampling=basis:8",
+                                        "--sampling=gauss:4",
+                                        "--sampling=gauss:8",
+                                        "--sampling=riemann:40",
+                                        "--sampling=adaptive:0.1",
+                                        "--sampling=gauss:16",
+                                        "--sampling=riemann:20",
+                                        "--sampling=adaptive:0.01",
+                                        "--sampling=gauss:24",
+                                        "--sampling=riemann:10",
+                                        "--sampling=adaptive:0.001",
+                                        "--sampling=riemann:5",
+                                        "--sampling=riemann:2"};
+enum { N_COMPONENTS = 3, N_SAMPLINGS = sizeof samplings / sizeof samplings[0] };
 
-/* ---- a configuration as a command line of render ---- */
+static const char every_nm[] = "--sampling=riemann:1";
+static const char alone[] = " --renderer=raster --no-check"; /* the reference */
 
-/* Puts the words that cost was given, then those of the entry. The reference alone, whose words are
- * "... --renderer=raster --no-check", has no use for a library of OpenGL. Returns how many. */
-static int put_words(const struct options *options, const struct cost_entry *entry,
-                     const char *line[])
+enum { STANDARD, STACK, FINEST, N_STACKS }; /* files */
+enum { FEWEST_RUNS = 3 };
+/* The likely seconds in all, from those of the standard: see data/doc/accuracy.md. */
+static const double likely_share = 2, likely_rest = 4;
+enum { WORDS_LENGTH = 5 * RENDER_WORDS };
+
+struct measurement {
+    const struct options *options;
+    struct cost *cost;
+    struct scene scene;            /* as the command line changes it */
+    char small_size[RENDER_WORDS]; /* as a word, for the prices that are ratios */
+    struct folder folder;
+    char stacks[N_STACKS][sizeof(struct folder) + 16];
+    struct seen_stack standard;
+    struct progress_line line;
+    bool shown;           /* the line of progress */
+    double begun, likely; /* seconds by the clock */
+};
+
+/* ---- times ---- */
+
+void timing_add(struct timing *to, double seconds)
 {
-    bool alone = false;
-    int n = 0;
-    for (int i = 0; i < entry->n_words; i++)
-        alone = alone || strcmp(entry->words[i], "--renderer=raster") == 0;
-    for (int i = 0; i < options->n_recorded; i++)
-        if (!alone || strncmp(options->recorded[i], "--gl=", strlen("--gl=")) != 0)
-            line[n++] = options->recorded[i];
-    for (int i = 0; i < entry->n_words; i++)
-        line[n++] = entry->words[i];
-    return n;
+    int at = to->n++;
+    for (; at > 0 && to->seconds[at - 1] > seconds; at--)
+        to->seconds[at] = to->seconds[at - 1];
+    to->seconds[at] = seconds;
 }
 
-/* Reads a command line of render: the changes of the scene that cost was given, then the words of
- * the entry. */
-static bool read_words(const struct options *options, const struct cost_entry *entry,
-                       struct options *out, struct error *err)
+double median_of(const struct timing *of)
 {
-    const char *line[MOST_RECORDED + COST_WORDS];
-    const int n = put_words(options, entry, line);
-    if (!options_read(&render_command, false, line, n, out, err))
-        return false;
-    out->operand = options->operand;
-    out->threads = options->threads;
-    out->quiet = true;
-    return true;
+    return of->n == 0 ? (double)NAN : (of->seconds[(of->n - 1) / 2] + of->seconds[of->n / 2]) / 2;
 }
 
-enum { FIXED_WORDS = 12 };
+/* ---- a run ---- */
+
+/* Takes over an error as a note behind the words that it is about. */
+static bool add_note(struct cost *cost, const char *words, const struct error *why,
+                     struct error *err)
+{
+    struct printed text = {.text = NULL};
+    print(&text, "%s: %s", words, error_words(why));
+    char *note = printed_take(&text, err);
+    if (note && array_add(&cost->notes, &cost->n_notes, &note, sizeof note, err))
+        return true;
+    free(note);
+    return false;
+}
 
 /* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
 static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
@@ -55,294 +89,356 @@ static void add_count(const char *line[], int *n, const char *name, int count, c
     line[(*n)++] = text;
 }
 
-/* Runs the program on the scene of the options, with the words of the entry. The scene comes last:
- * its name may begin with a dash. */
-static bool run_program(const struct options *options, const struct cost_entry *entry,
-                        const char *output, struct run_seconds *out, struct error *err)
+/* Cuts words at their blanks, and adds them to a command line. */
+static void add_words(const char *line[], int *n, char *words)
 {
-    const char *line[MOST_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
-    char threads[32], memory[32];
-    int n = 2 + put_words(options, entry, line + 2);
+    for (char *at = words + strspn(words, " "); *at; at += strspn(at, " ")) {
+        line[(*n)++] = at;
+        at += strcspn(at, " ");
+        if (*at)
+            *at++ = '\0';
+    }
+}
+
+/* Shows how much of the likely time has passed. */
+static void show(struct measurement *of)
+{
+    const double passed = clock_seconds() - of->begun;
+    if (of->shown && of->likely > 0)
+        progress_show(&of->line, (long)(100 * passed), (long)(100 * fmax(of->likely, passed)) + 1);
+}
+
+/* A picture that is not agreed has its price, too. A failure that names a temporary file is for
+ * want of room. */
+static bool conclude(struct measurement *of, struct error *own, struct error *err)
+{
+    of->cost->n_runs++;
+    of->cost->n_not_agreed += own->status == EXIT_DIFFERENT;
+    show(of);
+    if (own->status == EXIT_AGREED || own->status == EXIT_DIFFERENT)
+        return true;
+    if (strstr(own->text, of->folder.path))
+        return error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(own));
+    *err = *own;
+    return false;
+}
+
+enum { MORE_WORDS = 24 };
+
+/* Renders the scene with what cost was given, and then with these words. The scene comes last: its
+ * name may begin with a dash. A library of OpenGL is refused where the reference draws alone. */
+static bool run(struct measurement *of, const char *words, int stack, struct timing *out,
+                struct error *err)
+{
+    const struct options *options = of->options;
+    const bool draws = of->cost->checked && !strstr(words, alone);
+    const char *line[MOST_RECORDED + MORE_WORDS] = {options->program, "render"};
+    char threads[32], memory[32], own_words[WORDS_LENGTH];
+    struct error own = {.status = EXIT_AGREED};
+    struct run_seconds seconds;
+    int n = 2;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (draws || strncmp(options->recorded[i], "--gl=", strlen("--gl=")) != 0)
+            line[n++] = options->recorded[i];
+    snprintf(own_words, sizeof own_words, "%s%s", words,
+             draws || strstr(words, alone) ? "" : alone);
+    add_words(line, &n, own_words);
+    if (options->detector && strstr(words, "--sampling=")) {
+        line[n++] = "--detector";
+        line[n++] = options->detector;
+    }
     add_count(line, &n, "--threads", options->threads, threads);
     add_count(line, &n, "--memory", options->memory_mib, memory);
-    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
+    const char *const last[] = {
+        "--keep", "--quiet", "--output", of->stacks[stack], "--", options_scene(options), NULL};
     memcpy(line + n, last, sizeof last);
-    return process_program(line, out, err);
+    process_program(line, &seconds, &own);
+    timing_add(out, seconds.processor);
+    return conclude(of, &own, err);
 }
 
-struct measurement {
-    const struct options *options;
-    struct progress_line line;
-    bool shown; /* the line of progress */
-    struct folder folder;
-    char stack[sizeof(struct folder) + 16]; /* a file in it */
-    struct summary standard;
-    long steps, all_steps;
-    const struct cost_entry *entry; /* at hand */
-    struct cost *cost;
+/* Renders with the words of a configuration and more, three times, but once if it takes long. */
+static bool run_more(struct measurement *of, const char *words, const char *more,
+                     struct timing *out, struct error *err)
+{
+    static const double is_long = 1;
+    char all[WORDS_LENGTH];
+    snprintf(all, sizeof all, "%s%s", words, more);
+    while (out->n < FEWEST_RUNS && !(out->n > 0 && out->seconds[0] > is_long))
+        if (!run(of, all, STACK, out, err))
+            return false;
+    return true;
+}
+
+/* Finds how far a stack is off from another. */
+static bool differ(const struct measurement *of, struct seen_stack *standard, int stack,
+                   struct colour_difference *out, struct error *err)
+{
+    return stack_difference(standard, of->stacks[stack], of->cost->observer, of->options->threads,
+                            out, err);
+}
+
+/* ---- samplings ---- */
+
+/* Renders the standard, float pages at every nm, and says how long everything is likely to take. */
+static bool make_standard(struct measurement *of, struct error *err)
+{
+    struct configuration *out = &of->cost->every_nm;
+    struct printed line = {.text = NULL};
+    snprintf(out->words, sizeof out->words, "%s --depth=32f", every_nm);
+    if (!run(of, out->words, STANDARD, &out->checked, err))
+        return false;
+    of->likely = likely_share * (clock_seconds() - of->begun) + likely_rest;
+    print(&line, "about %.2g s\n", of->likely);
+    return of->options->quiet || printed_show(&line, STDERR_FILENO, err);
+}
+
+/* Renders a configuration once, and measures it. What the scene refuses becomes a note. */
+static bool try_sampling(struct measurement *of, int sampling, struct error *err)
+{
+    struct cost *cost = of->cost;
+    struct configuration *out = &cost->samplings[cost->n];
+    struct error own = {.status = EXIT_AGREED};
+    *out = (struct configuration){.components = sampling < N_COMPONENTS};
+    snprintf(out->words, sizeof out->words, "%s", samplings[sampling]);
+    const bool drawn = run(of, out->words, STACK, &out->checked, &own);
+    if (drawn && differ(of, &of->standard, STACK, &out->error, &own))
+        cost->n++;
+    else if (drawn && own.status == EXIT_INPUT) /* the standard has no white */
+        error_usage(err, "no light shines at the wavelengths of %s: it has no colours",
+                    cost->scene);
+    else if (own.status == EXIT_INPUT)
+        return add_note(cost, out->words, &own, err);
+    else
+        *err = own;
+    return err->status == EXIT_AGREED;
+}
+
+/* A sampling of more pages than one within the least error costs more than that. */
+static bool try_all(struct measurement *of, struct error *err)
+{
+    const double least = wanted_errors[WANTED_ERRORS - 1];
+    for (int i = 0; i < N_SAMPLINGS && !cost_cheapest(of->cost, least, false); i++)
+        if (!try_sampling(of, i, err))
+            return false;
+    return of->cost->n > 0 || error_usage(err, "%s", of->cost->notes[0]);
+}
+
+/* ---- the order of seconds ---- */
+
+/* Returns whether two configurations need more runs until it is clear which is cheaper. */
+static bool is_open(const struct timing *best, const struct timing *other)
+{
+    const double margin = other->n < FEWEST_RUNS || best->n < FEWEST_RUNS ? 1.2 : 1;
+    return other->n < MOST_RUNS && other->seconds[0] < margin * best->seconds[best->n - 1];
+}
+
+/* Runs the cheapest within an error, and its rivals, once more. *settled: there was no need to. */
+static bool run_rivals(struct measurement *of, double error, bool components, bool *settled,
+                       struct error *err)
+{
+    struct cost *cost = of->cost;
+    const struct configuration *best = cost_cheapest(cost, error, components);
+    for (int i = 0; best && i < cost->n; i++) {
+        struct configuration *other = &cost->samplings[i];
+        const bool counts = other->components == components && other->error.quantile_95 <= error;
+        if (!counts || !is_open(&best->checked, &other->checked) ||
+            (other == best && best->checked.n >= FEWEST_RUNS))
+            continue;
+        *settled = false;
+        if (!run(of, other->words, STACK, &other->checked, err))
+            return false;
+    }
+    return true;
+}
+
+/* Runs rivals in turn, so that a slow moment of the machine meets all of them. */
+static bool settle(struct measurement *of, struct error *err)
+{
+    bool settled = false;
+    while (!settled) {
+        settled = true;
+        for (int i = 0; i < 2 * WANTED_ERRORS; i++)
+            if (!run_rivals(of, wanted_errors[i / 2], i % 2, &settled, err))
+                return false;
+    }
+    return true;
+}
+
+/* Renders those that are cheapest for their error without the check. */
+static bool run_unchecked(struct measurement *of, struct error *err)
+{
+    struct cost *cost = of->cost;
+    cost_mark(cost);
+    for (int i = 0; cost->checked && i < cost->n; i++)
+        if (cost->samplings[i].best && !run_more(of, cost->samplings[i].words, " --no-check",
+                                                 &cost->samplings[i].unchecked, err))
+            return false;
+    return true;
+}
+
+/* ---- positions and triangles, with a sampling of few pages and not too many pixels ---- */
+
+/* A kind of refinement at work. */
+struct ladder {
+    struct seen_stack finest;
+    double seconds; /* of the typical sampling as it is */
 };
 
-static void step(struct measurement *measurement, long steps)
+/* Renders the typical sampling with more words. */
+static bool run_typical(struct measurement *of, const char *more, const char *yet_more, int stack,
+                        double *seconds, struct error *err)
 {
-    measurement->steps += steps;
-    if (measurement->shown && measurement->steps > 0)
-        progress_show(&measurement->line, measurement->steps, measurement->all_steps);
-}
-
-/* Surveys the scene, and refuses a detector that is no observer. Without --detector, which needs a
- * sampling, the options of cost are those of render that change the scene. */
-static bool survey(const struct measurement *measurement, struct error *err)
-{
-    struct options plain = *measurement->options;
-    struct detector observer = {.name = NULL};
-    struct render_job job = {.options = {.threads = 0}};
-    struct cost *cost = measurement->cost;
-    plain.detector = NULL;
-    cost->observer = options_detector(measurement->options);
-    const bool done = observer_read(cost->observer, &observer, err) &&
-                      scene_read_sampled(&plain, &job.scene, &job.sampling, err) &&
-                      survey_scene(&job.scene, measurement->options, cost, err);
-    detector_free(&observer);
-    job_free(&job);
+    struct timing timing = {.n = 0};
+    char words[WORDS_LENGTH];
+    snprintf(words, sizeof words, "%s%s%s%s", of->cost->typical->words, of->small_size, more,
+             yet_more);
+    const bool done = run(of, words, stack, &timing, err);
+    *seconds = timing.seconds[0];
     return done;
 }
 
-/* Renders the entry at hand to the stack, and measures that. It runs in a process of its own: the
- * error then says whether the system lacks what the entry needs, where a program has words only. */
-static bool measure_job(void *context, void *out, struct error *err)
+/* Renders it in the finest way, by the reference, and as it is, and finds how far it is off. */
+static bool begin_ladder(struct measurement *of, const char *finest, struct ladder *out,
+                         struct colour_difference *error, struct error *err)
 {
-    struct measurement *measurement = context;
-    struct options own = {.operand = NULL};
-    struct render_job job = {.options = {.threads = 0}};
-    bool done = read_words(measurement->options, measurement->entry, &own, err);
-    own.output = measurement->stack;
-    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err) &&
-           scene_read_sampled(&own, &job.scene, &job.sampling, err) &&
-           standard_compare(measurement->stack, &job.sampling, &measurement->standard, out, err);
-    job_free(&job);
-    options_free(&own);
+    double ignored;
+    *out = (struct ladder){.finest = {.path = of->stacks[FINEST]}};
+    return run_typical(of, finest, alone, FINEST, &ignored, err) &&
+           run_typical(of, "", "", STACK, &out->seconds, err) &&
+           differ(of, &out->finest, STACK, error, err);
+}
+
+/* Renders it in a finer way, and finds how far that is off. */
+static bool climb(struct measurement *of, struct ladder *ladder, struct refinement *out,
+                  struct colour_difference *error, struct error *err)
+{
+    double seconds;
+    const bool done = run_typical(of, out->words, "", STACK, &seconds, err) &&
+                      differ(of, &ladder->finest, STACK, error, err);
+    out->factor = done ? seconds / ladder->seconds : 0;
     return done;
 }
 
-/* ---- configurations ---- */
-
-/* Removes the stack, if there is one: the next one gets its name. */
-static bool remove_stack(const struct measurement *measurement, struct error *err)
+/* Outlines are few pixels, so the mean tells them. */
+static bool find_positions(struct measurement *of, struct error *err)
 {
-    return unlink(measurement->stack) == 0 || errno == ENOENT ||
-           error_system(err, "cannot remove %s", measurement->stack);
-}
-
-/* Renders the standard, and summarizes its stack. A failure that names a temporary file is for want
- * of room. */
-static bool make_standard(struct measurement *measurement, struct error *err)
-{
-    struct cost_entry entry = standard_entry(measurement->cost);
-    struct error own = {.status = EXIT_AGREED};
-    struct run_seconds seconds = {.wall = 0};
-    const bool done =
-        entry_words(&entry, measurement->cost->observer, &own) &&
-        run_program(measurement->options, &entry, measurement->stack, &seconds, &own) &&
-        standard_summarize(measurement->stack, &measurement->standard, &own);
-    measurement->cost->standard_seconds = seconds.wall;
-    cost_entry_free(&entry);
-    if (!remove_stack(measurement, err))
-        return false;
-    if (strstr(own.text, measurement->folder.path))
-        error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
-    else if (!done)
-        *err = own;
-    return done;
-}
-
-/* Runs a configuration once and measures its stack. A configuration that is refused, or that this
- * system does not support, becomes a note. */
-static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
-{
-    struct error own = {.status = EXIT_AGREED};
-    measurement->entry = entry;
-    if (!entry_words(entry, measurement->cost->observer, err))
-        return false;
-    const bool done =
-        process_run(measure_job, measurement, &entry->accuracy, sizeof entry->accuracy, &own);
-    if (!remove_stack(measurement, err))
-        return false;
-    step(measurement, 2);
-    if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
-        *err = own;
-        return false;
-    }
-    if (!done)
-        return cost_note(measurement->cost, err, "without %s: %s", entry->name, error_words(&own));
-    return MAKE_ARRAY(entry->times, measurement->cost->runs, err, "the seconds of runs");
-}
-
-/* Adds configurations and warms them up. `add` may choose by the errors measured before. */
-static bool warm_up_more(struct measurement *measurement, void (*add)(struct cost *cost),
-                         struct error *err)
-{
-    struct cost *cost = measurement->cost;
-    const int first = cost->n;
-    add(cost);
-    for (int i = first; i < cost->n; i++)
-        if (!warm_up(measurement, &cost->entries[i], err))
-            return false;
-    return true;
-}
-
-/* Removes the entries that failed. */
-static void remove_failed(struct cost *cost)
-{
-    int n = 0;
-    for (int i = 0; i < cost->n; i++)
-        if (cost->entries[i].accuracy.n_pages > 0)
-            cost->entries[n++] = cost->entries[i];
-        else
-            cost_entry_free(&cost->entries[i]);
-    cost->n = n;
-}
-
-/* ---- the estimate ---- */
-
-/* Most scenes have about so many configurations. */
-static int likely_configurations(const struct cost *cost)
-{
-    return cost->tessellated ? 52 : 36;
-}
-
-/* A run takes some time to start, and this part of the standard's seconds on average; a comparison
- * takes another part. data/doc/accuracy.md compares estimates with measurements. */
-static const double start_seconds = 0.03, run_part = 0.2, compare_part = 0.8;
-
-static double estimate(const struct cost *cost)
-{
-    const double parts = cost->positions > 1 ? 2 : 1, /* the standard has more positions */
-        standard = cost->standard_seconds / parts, runs = 1 + cost->runs;
-    return likely_configurations(cost) *
-           (runs * (start_seconds + run_part * standard) + compare_part * standard);
-}
-
-/* Says how long the measurement is likely to take, before the first configuration. */
-static bool announce(const struct measurement *measurement, struct error *err)
-{
-    const struct cost *cost = measurement->cost;
-    const double seconds = estimate(cost);
-    const bool is_long = seconds >= 90;
-    struct printed line = {.text = NULL};
-    if (measurement->options->quiet)
+    struct refinement *out = &of->cost->positions;
+    const int side = of->scene.positions;
+    struct colour_difference error;
+    struct ladder ladder;
+    char finest[RENDER_WORDS];
+    if (4 * side > MOST_POSITIONS)
         return true;
-    print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
-          is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
-          likely_configurations(cost));
-    return printed_show(&line, STDERR_FILENO, err);
+    snprintf(finest, sizeof finest, " --samples=%d", 4 * side);
+    snprintf(out->words, sizeof out->words, " --samples=%d", 2 * side);
+    bool done = begin_ladder(of, finest, &ladder, &error, err);
+    out->before = error.mean;
+    done = done && climb(of, &ladder, out, &error, err);
+    out->after = error.mean;
+    seen_free(&ladder.finest);
+    return done;
 }
 
-/* ---- rounds ---- */
-
-static int by_clock(const void *a, const void *b)
+/* Each point of the finest picture has its own light. */
+static bool find_triangles(struct measurement *of, struct error *err)
 {
-    const double one = ((const struct run_seconds *)a)->wall,
-                 two = ((const struct run_seconds *)b)->wall;
-    return (one > two) - (one < two);
-}
-
-static int by_processor(const void *a, const void *b)
-{
-    const double one = ((const struct run_seconds *)a)->processor,
-                 two = ((const struct run_seconds *)b)->processor;
-    return (one > two) - (one < two);
-}
-
-/* Finds medians and extremes of the times of n runs. */
-static void take_seconds(struct cost_entry *entry, int n)
-{
-    struct run_seconds *times = entry->times;
-    qsort(times, (size_t)n, sizeof *times, by_processor);
-    entry->processor = (times[(n - 1) / 2].processor + times[n / 2].processor) / 2;
-    qsort(times, (size_t)n, sizeof *times, by_clock);
-    entry->seconds = (times[(n - 1) / 2].wall + times[n / 2].wall) / 2;
-    entry->fastest = times[0].wall;
-    entry->slowest = times[n - 1].wall;
-}
-
-/* Runs all configurations in turn, so that a slow moment of the machine meets all of them. */
-static bool run_round(struct measurement *measurement, int round, struct error *err)
-{
-    for (int i = 0; i < measurement->cost->n; i++) {
-        struct cost_entry *entry = &measurement->cost->entries[i];
-        if (!run_program(measurement->options, entry, measurement->stack, &entry->times[round],
-                         err) ||
-            !remove_stack(measurement, err))
-            return false;
-        step(measurement, 1);
+    static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
+    static const double none = 0.02; /* an error that nobody would spend a second on */
+    struct refinement *out = &of->cost->triangles;
+    struct colour_difference error;
+    struct ladder ladder;
+    bool done = begin_ladder(of, finest, &ladder, &error, err);
+    out->before = error.quantile_95;
+    if (done && of->cost->checked && out->before >= none) {
+        snprintf(out->words, sizeof out->words, " --accuracy=%.2g", out->before / 2);
+        done = climb(of, &ladder, out, &error, err);
+        out->after = error.quantile_95;
     }
-    return true;
+    seen_free(&ladder.finest);
+    return done;
 }
 
-static bool measure_all(struct measurement *measurement, struct error *err)
+static bool find_prices(struct measurement *of, struct error *err)
 {
-    struct cost *cost = measurement->cost;
-    measurement->all_steps = (long)likely_configurations(cost) * (2 + cost->runs);
-    if (!warm_up_more(measurement, configurations_first, err) ||
-        !warm_up_more(measurement, configurations_samplings, err) ||
-        !survey_notes(cost, measurement->standard.lit, err))
+    struct cost *cost = of->cost;
+    cost->typical = cost_typical(cost);
+    return (!cost->checked || run_more(of, cost->typical->words, alone, &cost->alone, err)) &&
+           find_positions(of, err) && find_triangles(of, err);
+}
+
+/* ---- all ---- */
+
+/* Halves the sides of a large picture, until prices that are ratios take little time. */
+static void find_small_size(struct measurement *of)
+{
+    static const int most = 250000; /* pixels */
+    int width = of->scene.width, height = of->scene.height;
+    for (; (double)width * height > most; width /= 2)
+        height = height > 1 ? height / 2 : 1;
+    if (width < of->scene.width)
+        snprintf(of->small_size, sizeof of->small_size, " --size=%dx%d", width, height);
+    of->cost->small_width = width;
+    of->cost->small_height = height;
+}
+
+/* Refuses a detector that is no observer. OpenGL draws no phong shading: the reference alone then
+ * draws all configurations. */
+static bool survey(struct measurement *of, struct error *err)
+{
+    struct detector observer = {.name = NULL};
+    struct printed name = {.text = NULL};
+    struct cost *cost = of->cost;
+    cost->observer = options_detector(of->options);
+    const bool done = observer_read(cost->observer, &observer, err) &&
+                      scene_read_options(of->options, &of->scene, err);
+    detector_free(&observer);
+    if (!done)
         return false;
-    configurations_choose(cost);
-    if (!warm_up_more(measurement, configurations_styles, err) ||
-        !warm_up_more(measurement, configurations_combined, err))
+    print_text(&name, of->scene.path);
+    for (int i = 0; i < of->options->n_recorded; i++)
+        print(&name, " %s", of->options->recorded[i]);
+    cost->width = of->scene.width;
+    cost->height = of->scene.height;
+    cost->checked = gl_is_built() && of->scene.shading != SHADING_PHONG;
+    find_small_size(of);
+    cost->scene = printed_take(&name, err);
+    return cost->scene != NULL;
+}
+
+static bool measure(struct measurement *of, struct error *err)
+{
+    if (!survey(of, err) || !folder_open(&of->folder, err))
         return false;
-    remove_failed(cost);
-    measurement->all_steps = measurement->steps + (long)cost->n * cost->runs;
-    for (int round = 0; round < cost->runs; round++)
-        if (!run_round(measurement, round, err))
-            return false;
-    for (int i = 0; i < cost->n; i++)
-        take_seconds(&cost->entries[i], cost->runs);
-    return true;
-}
-
-/* ---- conclusions ---- */
-
-static int by_seconds(const void *a, const void *b)
-{
-    const struct cost_entry *one = a, *two = b;
-    return (one->seconds > two->seconds) - (one->seconds < two->seconds);
-}
-
-static bool conclude(struct cost *cost, struct error *err)
-{
-    qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, by_seconds);
-    cost_mark(cost);
-    return cost->n > 0 || error_failed(err, "no configuration could be rendered: %s",
-                                       cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
-}
-
-static bool measure(struct measurement *measurement, struct error *err)
-{
-    const struct cost_options *own = measurement->options->own;
-    struct cost *cost = measurement->cost;
-    cost->runs = own->runs ? own->runs : DEFAULT_RUNS;
-    if (!survey(measurement, err) || !folder_open(&measurement->folder, err))
-        return false;
-    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
-             measurement->folder.path);
-    guard_remove(measurement->stack);
-    return make_standard(measurement, err) &&
-           MAKE_ARRAY(cost->entries, MOST_CONFIGURATIONS, err, "the table of configurations") &&
-           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
+    for (int i = 0; i < N_STACKS; i++) {
+        snprintf(of->stacks[i], sizeof of->stacks[i], "%s/%d.tif", of->folder.path, i);
+        guard_remove(of->stacks[i]);
+    }
+    of->standard.path = of->stacks[STANDARD];
+    return make_standard(of, err) && try_all(of, err) && settle(of, err) &&
+           run_unchecked(of, err) && find_prices(of, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {
-        .options = options,
-        .standard = {.observer = options_detector(options), .threads = options->threads},
-        .cost = out};
-    measurement.shown = progress_start(&measurement.line, options->quiet);
+    struct measurement of = {.options = options, .cost = out, .begun = clock_seconds()};
     *out = (struct cost){.scene = NULL};
-    const bool done = measure(&measurement, err);
-    guard_forget(measurement.stack);
-    folder_close(&measurement.folder);
-    summary_free(&measurement.standard);
+    of.shown = progress_start(&of.line, options->quiet);
+    const bool done = measure(&of, err);
+    if (of.shown)
+        progress_show(&of.line, 1, 1);
+    for (int i = 0; i < N_STACKS; i++)
+        guard_forget(of.stacks[i]);
+    folder_close(&of.folder);
+    seen_free(&of.standard);
+    scene_free(&of.scene);
     return done;
+}
+
+void cost_free(struct cost *cost)
+{
+    for (int i = 0; i < cost->n_notes; i++)
+        free(cost->notes[i]);
+    FREE_ALL(cost->notes, cost->scene);
+    *cost = (struct cost){.scene = NULL};
 }

@@ -104,6 +104,8 @@ static void measure_end(struct pixel_difference *of, const struct bin *bin, uint
 {
     const uint64_t wanted = n_pixels - n_pixels / 20;
     uint64_t so_far = bin->count;
+    if (n_pixels == 0)
+        return;
     while (so_far < wanted)
         so_far += (++bin)->count;
     of->quantile_95 = bin->largest;
@@ -129,14 +131,13 @@ double spectral_angle(const double *a, const double *b, int n)
     return angle_of(fmin(sqrt(rest / bb), 1), fmin(ab / sqrt(aa) / sqrt(bb), 1)) * (180 / PI);
 }
 
-static void compare_colours(const struct comparison *of, const double *a, const double *b,
+static void compare_colours(const struct comparison *of, const double a[3], const double *b,
                             double out[PIXEL_MEASURES])
 {
-    const int n = of->a.cube.image.n_pages;
+    const double *weights = of->alike ? of->sight.weights : of->other.weights;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(of->sight.weights, a, n, xyz);
-    cielab(xyz, of->sight.white, lab_a);
-    detector_response(of->sight.weights, b, n, xyz);
+    cielab(a, of->sight.white, lab_a);
+    detector_response(weights, b, of->b.cube.image.n_pages, xyz);
     cielab(xyz, of->sight.white, lab_b);
     out[CIE76] = cie76_difference(lab_a, lab_b);
     out[CIE94] = cie94_difference(lab_a, lab_b);
@@ -177,7 +178,7 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 {
     const double *measures = of->measures[at];
     if (of->shown == MAP_NUMBERS) {
-        const size_t n = (size_t)of->a.n * (size_t)of->a.cube.image.width;
+        const size_t n = (size_t)of->b.n * (size_t)of->a.cube.image.width;
         of->samples[at] = (float)largest;
         of->samples[n + at] = (float)measures[SPECTRAL_ANGLE];
         of->samples[2 * n + at] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
@@ -188,27 +189,67 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 
 /* ---- rows ---- */
 
+/* Reads a pixel of the rows at hand. Returns the largest of its pages. */
+static double read_pixel(const struct stack_rows *rows, size_t at, double *out)
+{
+    double largest = 0;
+    for (int page = 0; page < rows->cube.image.n_pages; page++) {
+        out[page] = (double)rows->samples[(size_t)page * rows->stride + at];
+        largest = fmax(largest, out[page]);
+    }
+    return largest;
+}
+
+static bool is_black(const double *pages, int n)
+{
+    while (n > 0 && pages[n - 1] == 0)
+        n--;
+    return n == 0;
+}
+
+/* A has been seen in an earlier comparison. */
+static bool is_known(const struct comparison *of)
+{
+    return of->seen && of->seen->complete;
+}
+
+/* Sees a pixel of A, or knows it. */
+static struct seen_pixel see_pixel(const struct comparison *of, const double *pages, size_t pixel)
+{
+    const int n = of->a.cube.image.n_pages;
+    struct seen_pixel seen;
+    if (is_known(of))
+        return of->seen->pixels[pixel];
+    seen.black = is_black(pages, n);
+    detector_response(of->sight.weights, pages, n, seen.xyz);
+    if (of->seen)
+        of->seen->pixels[pixel] = seen;
+    return seen;
+}
+
 static void compare_row(void *context, int row)
 {
     struct comparison *of = context;
-    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
-    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
-    double *a = of->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
-    memset(bands, 0, (size_t)n * sizeof *bands);
+    const int n_a = of->a.cube.image.n_pages, n_b = of->b.cube.image.n_pages,
+              width = of->a.cube.image.width, y = of->b.first + row;
+    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n_a;
+    double *a = of->spectra + (size_t)row * (size_t)(n_a + n_b), *b = a + n_a;
+    memset(bands, 0, (size_t)n_a * sizeof *bands);
     of->largest_a[row] = 0;
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
-        for (int band = 0; band < n; band++) {
-            a[band] = (double)of->a.samples[(size_t)band * of->a.stride + at];
-            b[band] = (double)of->b.samples[(size_t)band * of->a.stride + at];
-            of->largest_a[row] = fmax(of->largest_a[row], a[band]);
-        }
-        const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
-        memset(of->measures[at], 0, sizeof of->measures[at]);
+        double *measures = of->measures[at];
+        if (!is_known(of))
+            of->largest_a[row] = fmax(of->largest_a[row], read_pixel(&of->a, at, a));
+        const struct seen_pixel seen = see_pixel(of, a, (size_t)y * (size_t)width + (size_t)x);
+        read_pixel(&of->b, at, b);
+        const double largest = of->alike ? compare_bands(a, b, n_a, x, y, bands) : 0;
+        memset(measures, 0, sizeof of->measures[at]);
         if (largest > 0)
-            of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
-        if (largest > 0 && of->sight.has_white)
-            compare_colours(of, a, b, of->measures[at]);
+            measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n_a);
+        if ((largest > 0 || !of->alike) && of->sight.has_white)
+            compare_colours(of, seen.xyz, b, measures);
+        of->black[at] = seen.black && is_black(b, n_b);
         map_pixel(of, at, largest);
     }
 }
@@ -222,11 +263,13 @@ static void add_row(struct comparison *of, int row)
         of->bands[band].rms += bands[band].rms;
     }
     of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
-    for (int x = 0; x < width; x++)
-        for (int i = 0; i < PIXEL_MEASURES; i++)
-            measure_add(&of->pixels[i], of->bins + i * N_BINS,
-                        of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
-                        of->a.first + row);
+    for (int x = 0; x < width; x++) {
+        const size_t at = (size_t)row * (size_t)width + (size_t)x;
+        of->n_pixels += !of->black[at];
+        for (int i = 0; i < PIXEL_MEASURES && !of->black[at]; i++)
+            measure_add(&of->pixels[i], of->bins + i * N_BINS, of->measures[at][i], x,
+                        of->b.first + row);
+    }
 }
 
 /* Turns sums into means and root mean squares. */
@@ -245,20 +288,22 @@ static void conclude(struct comparison *of)
     }
     of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
     for (int i = 0; i < PIXEL_MEASURES; i++)
-        measure_end(&of->pixels[i], of->bins + i * N_BINS, n_pixels);
+        measure_end(&of->pixels[i], of->bins + i * N_BINS, of->n_pixels);
 }
 
 static bool compare_rows(struct comparison *of, struct error *err)
 {
     for (int y = 0; y < of->a.cube.image.height; y += of->a.most) {
-        if (!rows_read(&of->a, y, err) || !rows_read(&of->b, y, err))
+        if (!(is_known(of) || rows_read(&of->a, y, err)) || !rows_read(&of->b, y, err))
             return false;
-        threads_each(threads_count(of->options->threads), of->a.n, compare_row, of);
-        for (int row = 0; row < of->a.n; row++)
+        threads_each(threads_count(of->options->threads), of->b.n, compare_row, of);
+        for (int row = 0; row < of->b.n; row++)
             add_row(of, row);
-        if (of->map && !picture_write(&of->picture, of->samples, of->a.n, err))
+        if (of->map && !picture_write(&of->picture, of->samples, of->b.n, err))
             return false;
     }
+    if (of->seen)
+        of->seen->complete = true;
     conclude(of);
     return true;
 }
@@ -268,47 +313,50 @@ static bool compare_rows(struct comparison *of, struct error *err)
 /* Wavelengths that differ by less count as the same, since a file may hold them rounded. */
 static const double same_nm = 1e-6;
 
-static bool check_sizes(const struct image *a, const struct image *b, struct error *err)
-{
-    const struct place place = {b->path, 0, 0};
-    if (a->width != b->width || a->height != b->height)
-        return error_at(err, place, "%d x %d pixels, but %s has %d x %d", b->width, b->height,
-                        a->path, a->width, a->height);
-    if (a->n_pages != b->n_pages)
-        return error_at(err, place, "%d wavelengths, but %s has %d", b->n_pages, a->path,
-                        a->n_pages);
-    for (int i = 0; i < a->n_pages; i++)
-        if (!(fabs(a->wavelengths_nm[i] - b->wavelengths_nm[i]) < same_nm))
-            return error_at(err, place, "page %d is %.10g nm, but in %s %.10g nm", i + 1,
-                            b->wavelengths_nm[i], a->path, a->wavelengths_nm[i]);
-    return true;
-}
-
-/* Refuses components of different samplings, and radiances in different units: the same number
- * means something else in each. A basis belongs to its scene, so the responses are compared, too.
- */
-static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
+/* Returns whether pages of the same number mean the same. A basis belongs to its scene, so the
+ * responses of its components are compared, too. */
+static bool are_alike(const struct cube *a, const struct cube *b)
 {
     const struct record *of_a = &a->record, *of_b = &b->record;
-    if (a->components != b->components)
-        return error_usage(err, "%s holds the components of %s, %s radiances at wavelengths",
-                           (a->components ? a : b)->image.path,
-                           (a->components ? of_a : of_b)->sampling,
-                           (a->components ? b : a)->image.path);
-    if (of_a->text && of_b->text && !of_a->unit != !of_b->unit)
-        return error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
-                           cube_unit(a), b->image.path, cube_unit(b));
-    if (!a->components)
-        return true;
-    const bool alike = strcmp(of_a->sampling, of_b->sampling) == 0 &&
-                       strcmp(of_a->sampling_detector, of_b->sampling_detector) == 0;
-    return (alike && of_a->response.n == of_b->response.n &&
-            memcmp(of_a->response.value, of_b->response.value,
-                   (size_t)of_a->response.n * sizeof *of_a->response.value) == 0) ||
-           error_usage(
-               err, "%s and %s hold components of different samplings: %s for %s, and %s for %s%s",
-               a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
-               of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
+    if (a->components != b->components || a->image.n_pages != b->image.n_pages)
+        return false;
+    for (int i = 0; i < a->image.n_pages; i++)
+        if (!(fabs(a->image.wavelengths_nm[i] - b->image.wavelengths_nm[i]) < same_nm))
+            return false;
+    return !a->components || (strcmp(of_a->sampling, of_b->sampling) == 0 &&
+                              strcmp(of_a->sampling_detector, of_b->sampling_detector) == 0 &&
+                              of_a->response.n == of_b->response.n &&
+                              memcmp(of_a->response.value, of_b->response.value,
+                                     (size_t)of_a->response.n * sizeof(double)) == 0);
+}
+
+/* Refuses stacks of different size, and radiances in different units. */
+static bool check_stacks(const struct cube *a, const struct cube *b, struct error *err)
+{
+    if (a->image.width != b->image.width || a->image.height != b->image.height)
+        return error_at(err, (struct place){b->image.path, 0, 0},
+                        "%d x %d pixels, but %s has %d x %d", b->image.width, b->image.height,
+                        a->image.path, a->image.width, a->image.height);
+    return !a->record.text || !b->record.text || !a->record.unit == !b->record.unit ||
+           error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
+                       cube_unit(a), b->image.path, cube_unit(b));
+}
+
+/* Refuses a tolerance and a map that colours do not have, where they alone are compared. */
+static bool check_wanted(struct comparison *of, struct error *err)
+{
+    struct tolerance *tolerance = &of->tolerance;
+    const bool radiance = tolerance->unit == TOLERANCE_PERCENT ||
+                          (tolerance->unit == TOLERANCE_RADIANCE && tolerance->value > 0);
+    if (!of->alike && (radiance || (of->map && !picture_is_png(of->map))))
+        return error_usage(err,
+                           "the pages of %s and %s differ, so that their colours alone can be "
+                           "compared; expected %s",
+                           of->a.cube.image.path, of->b.cube.image.path,
+                           radiance ? "--tolerance as 0.5dE00" : "--map with .png");
+    if (!of->alike && tolerance->unit == TOLERANCE_RADIANCE)
+        tolerance->unit = TOLERANCE_CIEDE2000;
+    return true;
 }
 
 /* Samples of a chunk of each stack: 64 MiB at most, but for a row. */
@@ -316,16 +364,23 @@ static const size_t chunk_samples = (size_t)16 << 20;
 
 static bool allocate(struct comparison *of, struct error *err)
 {
-    if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
+    const struct image *a = &of->a.cube.image;
+    const size_t n = (size_t)a->n_pages, n_b = (size_t)of->b.cube.image.n_pages,
+                 width = (size_t)a->width, n_pixels = width * (size_t)a->height,
+                 chunk = chunk_samples / (n > n_b ? n : n_b); /* the same rows of both */
+    if (!rows_allocate(&of->a, chunk * n, err) || !rows_allocate(&of->b, chunk * n_b, err))
         return false;
-    const size_t n = (size_t)of->a.cube.image.n_pages, rows = (size_t)of->a.most;
+    const size_t rows = (size_t)of->a.most;
     return MAKE_ARRAY(of->bins, PIXEL_MEASURES * N_BINS, err, "a distribution of differences") &&
            MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
-           MAKE_ARRAY(of->spectra, 2 * n * rows, err, "rows of two stacks") &&
+           MAKE_ARRAY(of->spectra, (n + n_b) * rows, err, "rows of two stacks") &&
            MAKE_ARRAY(of->row_bands, n * rows, err, "sums of rows") &&
            MAKE_ARRAY(of->largest_a, rows, err, "sums of rows") &&
            MAKE_ARRAY(of->measures, of->a.stride, err, "differences of rows") &&
-           MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
+           MAKE_ARRAY(of->black, of->a.stride, err, "differences of rows") &&
+           MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map") &&
+           (!of->seen || of->seen->pixels ||
+            MAKE_ARRAY(of->seen->pixels, n_pixels, err, "the colours of %s", a->path));
 }
 
 static bool open_map(struct comparison *of, struct error *err)
@@ -360,11 +415,17 @@ static bool open_map(struct comparison *of, struct error *err)
 bool compare(struct comparison *of, struct error *err)
 {
     struct options *options = of->options;
-    const struct white_request white = {options->white, of->tolerance.unit >= TOLERANCE_CIE76};
+    const char *observer = options_detector(options);
     struct cube *a = &of->a.cube, *b = &of->b.cube;
-    return cube_open(options->operands[0], a, err) && cube_open(options->operands[1], b, err) &&
-           check_samplings(a, b, err) && check_sizes(&a->image, &b->image, err) &&
-           sight_make(a, options_detector(options), &white, &of->sight, err) && allocate(of, err) &&
+    if (!cube_open(options->operands[0], a, err) || !cube_open(options->operands[1], b, err))
+        return false;
+    of->alike = !of->seen && are_alike(a, b);
+    const struct white_request white = {options->white,
+                                        of->tolerance.unit >= TOLERANCE_CIE76 || !of->alike},
+                               none = {NULL, false};
+    return check_stacks(a, b, err) && check_wanted(of, err) &&
+           sight_make(a, observer, &white, &of->sight, err) &&
+           (of->alike || sight_make(b, observer, &none, &of->other, err)) && allocate(of, err) &&
            (!of->map || open_map(of, err)) && compare_rows(of, err) &&
            (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }
@@ -384,7 +445,28 @@ void comparison_free(struct comparison *of)
     rows_close(&of->a);
     rows_close(&of->b);
     sight_free(&of->sight);
+    sight_free(&of->other);
     picture_discard(&of->picture); /* a committed picture stays */
     FREE_ALL(of->bins, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
-             of->samples);
+             of->black, of->samples);
+}
+
+bool stack_difference(struct seen_stack *a, const char *b, const char *observer, int threads,
+                      struct colour_difference *out, struct error *err)
+{
+    struct options options = {
+        .operands = {a->path, b}, .n_operands = 2, .detector = observer, .threads = threads};
+    struct comparison of = {.options = &options, .tolerance = {0, TOLERANCE_CIEDE2000}, .seen = a};
+    const struct pixel_difference *found = &of.pixels[CIEDE2000];
+    const bool done = compare(&of, err);
+    if (done)
+        *out = (struct colour_difference){found->mean, found->quantile_95, found->peak.largest};
+    comparison_free(&of);
+    return done;
+}
+
+void seen_free(struct seen_stack *seen)
+{
+    free(seen->pixels);
+    *seen = (struct seen_stack){.path = NULL};
 }

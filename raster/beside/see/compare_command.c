@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral compare: prints where and by how much two stacks differ, in words and as JSON. */
+#include <inttypes.h>
+#include <math.h>
 
 #include "raster/beside/see/inside.h"
 
@@ -39,7 +41,7 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     const char *const names[] = {of->a.cube.components ? "component angle" : "spectral angle",
                                  "CIE76", "CIE94", "CIEDE2000"};
     char pixel[32];
-    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
+    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
         const struct pixel_difference *found = &of->pixels[i];
         print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
               names[i], found->mean, found->quantile_95, found->peak.largest,
@@ -59,27 +61,38 @@ static void print_map(const struct comparison *of, struct printed *to)
     print_text(to, "\n");
 }
 
-/* Prints whether the stacks differ by more than the tolerance, which is given as the user wrote it,
- * and then by how much. */
-static void print_comparison(const struct comparison *of, const char *tolerance, struct printed *to)
+/* Prints the differences of pages that mean the same, or why there are none. */
+static void print_pages(const struct comparison *of, struct printed *to)
 {
-    const struct image *image = &of->a.cube.image;
+    const struct image *a = &of->a.cube.image, *b = &of->b.cube.image;
     const bool components = of->a.cube.components;
     const char *unit = components ? "" : cube_unit(&of->a.cube), *blank = components ? "" : " ";
     const struct band_difference *all = &of->all;
     char pixel[32];
-    if (all->peak.largest > 0)
-        print(to, "result            the stacks differ, %s the tolerance of %s\n",
-              comparison_is_within(of) ? "within" : "by more than", tolerance);
-    else
-        print_fact(to, "result", "the stacks are equal");
-    print(to, "stacks            %d x %d pixels, %d %s\n", image->width, image->height,
-          image->n_pages, components ? "components" : "wavelengths");
+    print(to, "stacks            %d x %d pixels, %" PRIu64 " not black in both; %d %s\n", a->width,
+          a->height, of->n_pixels, a->n_pages, components ? "components" : "wavelengths");
+    if (!of->alike) {
+        print(to, "                  and %d other %s: colours are compared, nothing else\n",
+              b->n_pages, of->b.cube.components ? "components" : "wavelengths");
+        return;
+    }
     print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->peak.largest, blank,
-          unit, components ? "component " : "", image->wavelengths_nm[of->largest_band],
+          unit, components ? "component " : "", a->wavelengths_nm[of->largest_band],
           components ? "" : " nm", name_of_pixel(&all->peak, pixel));
     print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
+}
+
+/* Prints whether the stacks differ by more than the tolerance, which is given as the user wrote it,
+ * and then by how much. */
+static void print_comparison(const struct comparison *of, const char *tolerance, struct printed *to)
+{
+    if (of->all.peak.largest > 0 || of->pixels[CIEDE2000].peak.largest > 0)
+        print(to, "result            the stacks differ, %s the tolerance of %s\n",
+              comparison_is_within(of) ? "within" : "by more than", tolerance);
+    else
+        print_fact(to, "result", of->alike ? "the stacks are equal" : "the colours are equal");
+    print_pages(of, to);
     print_pixels(of, to);
     if (of->sight.has_white) {
         print_fact(to, "observer", options_detector(of->options));
@@ -117,21 +130,26 @@ static void json_pixels(struct json *json, const char *name, const struct pixel_
 static bool write_json(struct options *options, const struct comparison *of, struct error *err)
 {
     static const char *const measures[] = {"angle_deg", "dE76", "dE94", "dE00"};
+    static const struct band_difference unknown = {.peak = {.largest = (double)NAN},
+                                                   .rms = (double)NAN};
     const struct image *image = &of->a.cube.image;
     struct json json;
     json_begin(&json);
     json_truth(&json, "within_tolerance", comparison_is_within(of));
     json_count(&json, "width", (uint64_t)image->width);
     json_count(&json, "height", (uint64_t)image->height);
-    json_numbers(&json, "wavelengths_nm", of->a.cube.components ? NULL : image->wavelengths_nm,
+    json_count(&json, "pixels_not_black", of->n_pixels);
+    json_truth(&json, "colours_alone", !of->alike);
+    json_numbers(&json, "wavelengths_nm",
+                 of->a.cube.components || !of->alike ? NULL : image->wavelengths_nm,
                  image->n_pages);
-    json_band(&json, &of->all);
+    json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);
     json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
-    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
+    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
-    for (int i = 0; i < image->n_pages; i++) {
+    for (int i = 0; of->alike && i < image->n_pages; i++) {
         json_open(&json, NULL, '{');
         json_band(&json, &of->bands[i]);
         json_close(&json, '}');
@@ -157,7 +175,7 @@ static bool run_compare(struct options *options, struct error *err)
                 (!options->json || write_json(options, &comparison, err));
     if (done && !options->quiet) {
         print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);
-        if (options->verbose)
+        if (options->verbose && comparison.alike)
             print_bands(&comparison, &printed);
     }
     done = printed_show(&printed, options_table(options, own->map), err) && done &&

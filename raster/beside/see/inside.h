@@ -130,9 +130,13 @@ struct comparison {
     struct options *options; /* its operands are the stacks, and its outputs get the map */
     const char *map;         /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
+    struct seen_stack *seen; /* compares colours alone: see stack_difference; NULL: pages, too */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
-    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
+    bool alike;         /* pages of the same number mean the same; otherwise colours are compared */
+    struct sight sight; /* of A, with the white of both; without a white there are no colours */
+    struct sight other; /* of B, unless the pages are alike: those of A hold for both */
+    uint64_t n_pixels;  /* that are not black in both */
     struct band_difference *bands; /* of each page; owned */
     struct band_difference all;
     int largest_band;        /* the band that has the peak of `all` */
@@ -145,16 +149,18 @@ struct comparison {
     struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
     double *largest_a;                  /* [row] */
     double (*measures)[PIXEL_MEASURES]; /* [row][x] */
+    bool *black;                        /* [row][x]: in both stacks */
     float *samples; /* of the map: [channel][row][x]; or its bytes: [row][x][channel] */
     struct picture_writer picture;
 };
-/* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
- * components of different samplings, and a tolerance of colours without a white. The weights of A's
- * sampling give the colours. A TIFF map has three float samples a pixel: the largest |A - B| of all
- * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). A
- * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
- * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. The caller frees
- * *of, also after a failure. */
+/* Compares stack A with stack B. Where their wavelengths, components or samplings differ, it
+ * compares their colours alone, by the weights of either's sampling; otherwise those of A hold for
+ * both. Means and quantiles are of the pixels that are not black in both. Refuses stacks of
+ * different size (EXIT_INPUT) or units, and a tolerance or a map that the colours do not have. A
+ * TIFF map has three float samples a pixel: the largest |A - B| of all pages, the angle between the
+ * spectra or components in degrees, CIEDE2000 (0 without a white). A PNG map has the colours of
+ * scale_colour: for CIEDE2000 from 1/64 on, or without a white for the largest |A - B| from 1/16384
+ * on. The map is written even if the stacks differ. The caller frees *of, also after a failure. */
 bool compare(struct comparison *of, struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */

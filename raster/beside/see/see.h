@@ -141,6 +141,28 @@ struct tolerance {
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 
+/* ---- compare.c: how far a stack is off ---- */
+
+struct colour_difference { /* CIEDE2000, over the pixels that are not black in both stacks */
+    double mean, quantile_95, largest;
+};
+/* A stack that others are compared with, as an observer sees it. Set the path, and zero the rest.
+ */
+struct seen_stack {
+    const char *path;
+    bool complete; /* the pixels are known */
+    struct seen_pixel {
+        double xyz[3];
+        bool black; /* on all pages */
+    } * pixels;     /* owned */
+};
+/* Finds how far stack B is off from A, as an observer sees both with the white that A records. The
+ * wavelengths of the two may differ. A is read the first time; its observer stays. Refuses what
+ * compare refuses, and an A without a white. seen_free ends A. */
+bool stack_difference(struct seen_stack *a, const char *b, const char *observer, int threads,
+                      struct colour_difference *out, struct error *err);
+void seen_free(struct seen_stack *seen);
+
 /* ---- compare.c: a stack in chunks of rows ---- */
 
 struct stack_rows {

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT */
+/* What the measurements say: the cheapest way for each error, and what the check, positions and
+ * triangles cost; the table of all. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/beside/cost/inside.h"
+
+const double wanted_errors[WANTED_ERRORS] = {2, 1, 0.5, 0.1};
+
+/* ---- conclusions ---- */
+
+const struct configuration *cost_cheapest(const struct cost *cost, double error, bool components)
+{
+    const struct configuration *best = NULL;
+    for (int i = 0; i < cost->n; i++) {
+        const struct configuration *one = &cost->samplings[i];
+        if (one->components == components && one->error.quantile_95 <= error &&
+            (!best || median_of(&one->checked) < median_of(&best->checked)))
+            best = one;
+    }
+    return best;
+}
+
+/* Returns the most accurate one. */
+static const struct configuration *closest(const struct cost *cost, bool components)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < cost->n; i++)
+        if (cost->samplings[i].components == components)
+            least = fmin(least, cost->samplings[i].error.quantile_95);
+    return cost_cheapest(cost, least, components);
+}
+
+const struct configuration *cost_typical(const struct cost *cost)
+{
+    const struct configuration *good = cost_cheapest(cost, 0.5, false),
+                               *best = closest(cost, false);
+    return good ? good : best ? best : &cost->samplings[0];
+}
+
+static int by_seconds(const void *a, const void *b)
+{
+    const double one = median_of(&((const struct configuration *)a)->checked),
+                 two = median_of(&((const struct configuration *)b)->checked);
+    return (one > two) - (one < two);
+}
+
+void cost_mark(struct cost *cost)
+{
+    double least[2] = {HUGE_VAL, HUGE_VAL};
+    qsort(cost->samplings, (size_t)cost->n, sizeof *cost->samplings, by_seconds);
+    for (int i = 0; i < cost->n; i++) {
+        struct configuration *one = &cost->samplings[i];
+        one->best = one->error.quantile_95 < least[one->components];
+        least[one->components] = fmin(least[one->components], one->error.quantile_95);
+    }
+}
+
+/* ---- the answer ---- */
+
+static void print_seconds(const struct configuration *of, struct printed *to)
+{
+    print(to, "%.2g s", median_of(&of->checked));
+    if (of->unchecked.n > 0)
+        print(to, " checked (%.2g unchecked)", median_of(&of->unchecked));
+}
+
+static void print_way(const struct cost *cost, const struct configuration *of, struct printed *to)
+{
+    print(to, "%-26s ", of->words);
+    print_seconds(of, to);
+    print(to, ", %.2g times cheaper than every nm; error %.3g\n",
+          median_of(&cost->every_nm.checked) / median_of(&of->checked), of->error.quantile_95);
+}
+
+/* Prints a line for each way; one that is cheapest for several errors has them all. */
+static void print_ways(const struct cost *cost, struct printed *to)
+{
+    for (int i = 0, n; i < WANTED_ERRORS; i += n) {
+        const struct configuration *way = cost_cheapest(cost, wanted_errors[i], false);
+        char errors[48];
+        int length = snprintf(errors, sizeof errors, "within %g", wanted_errors[i]);
+        for (n = 1;
+             i + n < WANTED_ERRORS && cost_cheapest(cost, wanted_errors[i + n], false) == way; n++)
+            length += snprintf(errors + length, sizeof errors - (size_t)length, ", %g",
+                               wanted_errors[i + n]);
+        print(to, "%-20s", errors);
+        if (way)
+            print_way(cost, way, to);
+        else
+            print_text(to, "none of those tried\n");
+    }
+}
+
+/* Prints what samplings that hold no spectra can do. */
+static void print_colours(const struct cost *cost, struct printed *to)
+{
+    const struct configuration *way = cost_cheapest(cost, 0.5, true);
+    way = way ? way : closest(cost, true);
+    if (!way)
+        return;
+    print_text(to, "without spectra     ");
+    print_way(cost, way, to);
+}
+
+static void print_check(const struct cost *cost, struct printed *to)
+{
+    const struct configuration *typical = cost->typical;
+    const double checked = median_of(&typical->checked), unchecked = median_of(&typical->unchecked);
+    if (!cost->checked)
+        print_text(to, "check               none: the reference draws alone\n");
+    else
+        print(to,
+              "check               %.2g times the seconds of --no-check, which OpenGL alone takes; "
+              "the reference alone takes %.2g s\n",
+              checked / unchecked, median_of(&cost->alone));
+}
+
+/* Prints what halving an error costs. */
+static void print_refinement(const struct cost *cost, const char *name, const char *what,
+                             const struct refinement *of, struct printed *to)
+{
+    print(to, "%-20s%s %.2g", name, what, of->before);
+    if (of->words[0])
+        print(to, ";%s: %.2g, for %.2g times the seconds", of->words, of->after, of->factor);
+    if (of->words[0] && of->after < of->before)
+        print(to, "; each halving costs %.2g times",
+              pow(fmax(of->factor, 1), 1 / log2(of->before / of->after)));
+    if (cost->small_width < cost->width)
+        print(to, " (at %d x %d)", cost->small_width, cost->small_height);
+    print_text(to, "\n");
+}
+
+/* Prints the command that renders what errors are from. */
+static void print_standard(const struct options *options, struct printed *to)
+{
+    print_text(to, "errors              from every nm; compare shows them:\n  spectral render");
+    print_shell(to, options_scene(options));
+    for (int i = 0; i < options->n_recorded; i++)
+        print_shell(to, options->recorded[i]);
+    if (options->detector) {
+        print_text(to, " --detector");
+        print_shell(to, options->detector);
+    }
+    print_text(to, " --sampling=riemann:1 --depth=32f -o every-nm.tif\n");
+}
+
+static void print_table(const struct cost *cost, struct printed *to);
+
+void cost_print(const struct options *options, const struct cost *cost, struct printed *to)
+{
+    print(to,
+          "scene               %s, %d x %d pixels, seen by %s\n"
+          "                    seconds of processors; CIEDE2000 of 95 %% of the pixels\n",
+          cost->scene, cost->width, cost->height, cost->observer);
+    print_ways(cost, to);
+    print(to, "%-20s%-26s ", "every nm", "--sampling=riemann:1");
+    print_seconds(&cost->every_nm, to);
+    print_text(to, "\n");
+    print_colours(cost, to);
+    print_check(cost, to);
+    print_refinement(cost, "samples of a pixel", "on average off by", &cost->positions, to);
+    print_refinement(cost, "triangles", "light is off by", &cost->triangles, to);
+    print_standard(options, to);
+    if (cost->n_not_agreed > 0)
+        print(to, "%d of %d pictures did not agree: spectral render says why\n", cost->n_not_agreed,
+              cost->n_runs);
+    if (options->verbose)
+        print_table(cost, to);
+}
+
+/* ---- the table ---- */
+
+static void print_row(const struct configuration *of, struct printed *to)
+{
+    print(to, "%-26s %8.3f %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, median_of(&of->checked),
+          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.largest,
+          of->components ? "no spectra" : "");
+}
+
+/* Prints those that somebody would choose, and the words of the others. */
+static void print_table(const struct cost *cost, struct printed *to)
+{
+    print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", cost->checked ? "checked" : "seconds",
+          "unchecked", "95 %", "mean", "largest");
+    for (int i = 0; i < cost->n; i++)
+        if (cost->samplings[i].best)
+            print_row(&cost->samplings[i], to);
+    print_text(to, "dearer, not closer:");
+    for (int i = 0; i < cost->n; i++)
+        if (!cost->samplings[i].best)
+            print(to, " %s", cost->samplings[i].words + strlen("--sampling="));
+    print_text(to, "\n");
+    for (int i = 0; i < cost->n_notes; i++)
+        print(to, "without %s\n", cost->notes[i]);
+}
+
+static void print_csv_row(const struct configuration *of, struct printed *to)
+{
+    print_text(to, "\"");
+    csv_text(of->words, to);
+    print(to, "\",%.9g,", median_of(&of->checked));
+    if (of->unchecked.n > 0)
+        print(to, "%.9g", median_of(&of->unchecked));
+    print(to, ",%d,%.9g,%.9g,%.9g,%d,%d\n", of->checked.n, of->error.mean, of->error.quantile_95,
+          of->error.largest, !of->components, of->best);
+}
+
+void cost_csv(const struct cost *cost, struct printed *to)
+{
+    print_text(to, "options,checked,unchecked,runs,dE00_mean,dE00_95,dE00_largest,spectra,best\n");
+    for (int i = 0; i < cost->n; i++)
+        print_csv_row(&cost->samplings[i], to);
+}
+
+static void json_row(struct json *json, const char *key, const struct configuration *of)
+{
+    json_open(json, key, '{');
+    json_string(json, "options", of->words);
+    json_number(json, "checked_seconds", median_of(&of->checked));
+    json_number(json, "unchecked_seconds", median_of(&of->unchecked));
+    json_count(json, "runs", (uint64_t)of->checked.n);
+    json_number(json, "dE00_mean", of->error.mean);
+    json_number(json, "dE00_95", of->error.quantile_95);
+    json_number(json, "dE00_largest", of->error.largest);
+    json_truth(json, "spectra", !of->components);
+    json_truth(json, "best", of->best);
+    json_close(json, '}');
+}
+
+static void json_refinement(struct json *json, const char *key, const struct refinement *of)
+{
+    json_open(json, key, '{');
+    json_string(json, "options", of->words[0] ? of->words + 1 : NULL);
+    json_number(json, "before", of->before);
+    json_number(json, "after", of->words[0] ? of->after : (double)NAN);
+    json_number(json, "times", of->words[0] ? of->factor : (double)NAN);
+    json_close(json, '}');
+}
+
+void cost_json(const struct cost *cost, struct json *json)
+{
+    json_begin(json);
+    json_string(json, "program", PROGRAM);
+    json_string(json, "scene", cost->scene);
+    json_count(json, "width", (uint64_t)cost->width);
+    json_count(json, "height", (uint64_t)cost->height);
+    json_string(json, "observer", cost->observer);
+    json_row(json, "every_nm", &cost->every_nm);
+    json_open(json, "samplings", '[');
+    for (int i = 0; i < cost->n; i++)
+        json_row(json, NULL, &cost->samplings[i]);
+    json_close(json, ']');
+    json_string(json, "typical", cost->typical->words);
+    json_number(json, "reference_seconds", median_of(&cost->alone));
+    json_refinement(json, "positions", &cost->positions);
+    json_refinement(json, "triangles", &cost->triangles);
+    json_count(json, "pictures", (uint64_t)cost->n_runs);
+    json_count(json, "not_agreed", (uint64_t)cost->n_not_agreed);
+    json_strings(json, "notes", (const char *const *)cost->notes, cost->n_notes);
+}
