@@ -87,8 +87,6 @@ void shape_print_signature(enum shape_kind kind, struct printed *to);
  * is, the other way round, one of another triangle. Of an OBJ file that is not known: it may have
  * faces inside out, even where it is closed. The spout of the teapot is open. */
 bool shape_is_solid(enum shape_kind kind);
-/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
-bool shape_is_flat(enum shape_kind kind);
 /* Reads a shape's word and sizes, or `mesh` and a file. Sizes that are left out and the other
  * members get their defaults. */
 bool shape_read(struct text *text, struct shape *out, struct error *err);

@@ -61,8 +61,10 @@ static int wavelength_before(const double *wavelength_nm, int n, double nm, doub
     return before;
 }
 
-double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
-                         struct error *err)
+/* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
+ * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
+static double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
+                                struct error *err)
 {
     double *out = sampling_numbers((size_t)n * (size_t)n_nm, err), part;
     for (int j = 0; out && j < n_nm; j++) {

@@ -187,10 +187,6 @@ const struct sampling *sampling_or_none(const struct sampling *sampling);
  * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
-/* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
- * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
-double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
-                         struct error *err);
 /* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */
 void sampling_label(const struct sampling_method *method, int page, char out[24]);
 /* Prints one line: name, number of pages, negative weights, peaks, rank, limits. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/beside/cost/inside.h"
 
 const double wanted_errors[WANTED_ERRORS] = {2, 1, 0.5, 0.1};
@@ -127,7 +128,7 @@ static void print_refinement(const struct cost *cost, const char *name, const ch
         print(to, ";%s: %.2g, for %.2g times the seconds", of->words, of->after, of->factor);
     if (of->words[0] && of->after < of->before)
         print(to, "; each halving costs %.2g times",
-              pow(fmax(of->factor, 1), 1 / log2(of->before / of->after)));
+              power(fmax(of->factor, 1), 1 / binary_logarithm(of->before / of->after)));
     if (cost->small_width < cost->width)
         print(to, " (at %d x %d)", cost->small_width, cost->small_height);
     print_text(to, "\n");

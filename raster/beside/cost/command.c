@@ -5,6 +5,12 @@
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
+#include "raster/render/render.h"
+
+struct cost_options {
+    struct render_options render; /* the first member */
+    const char *csv, *svg;
+};
 
 /* Writes the files that the options name, and prints the answer. */
 static bool report(struct options *options, const struct cost *cost, struct error *err)

@@ -8,12 +8,6 @@
 #include "data/scene/scene.h"
 #include "raster/beside/cost/cost.h"
 #include "raster/beside/see/see.h"
-#include "raster/render/render.h"
-
-struct cost_options {
-    struct render_options render; /* the first member */
-    const char *csv, *svg;
-};
 
 enum { MOST_SAMPLINGS = 32, MOST_RUNS = 5, RENDER_WORDS = 96 };
 
@@ -22,7 +16,6 @@ struct timing {
     double seconds[MOST_RUNS];
     int n;
 };
-void timing_add(struct timing *to, double seconds);
 double median_of(const struct timing *of); /* NaN: there is no run */
 
 /* A way to render the scene, how far its stack is off, and what it takes. */

@@ -52,7 +52,7 @@ struct measurement {
 
 /* ---- times ---- */
 
-void timing_add(struct timing *to, double seconds)
+static void timing_add(struct timing *to, double seconds)
 {
     int at = to->n++;
     for (; at > 0 && to->seconds[at - 1] > seconds; at--)

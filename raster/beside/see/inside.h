@@ -21,9 +21,11 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* ---- sight.c ---- */
 
-/* Make sights likewise, in cd m-2 where radiances are absolute: of a detector of three channels,
- * where a camera needs a white, by which it is balanced; and of any number of channels, without
- * responses. */
+/* Make sights as sight_relative, in cd m-2 where radiances are absolute: of an observer; of a
+ * detector of three channels, where a camera needs a white, by which it is balanced; and of any
+ * number of channels, without responses. */
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err);
 bool sight_of_picture(const struct cube *cube, const char *detector,
                       const struct white_request *white, struct sight *out, struct error *err);
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
@@ -103,6 +105,22 @@ void develop_free(struct development *of);
  * (also for CIELAB), or to raw values, at exposure 1. Fills in all that is found but what pixels
  * decide. Refuses a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
+
+/* ---- compare.c: what counts as equal ---- */
+
+enum tolerance_unit { /* the last three in the order of colour differences */
+                      TOLERANCE_RADIANCE,
+                      TOLERANCE_PERCENT,
+                      TOLERANCE_CIE76,
+                      TOLERANCE_CIE94,
+                      TOLERANCE_CIEDE2000
+};
+struct tolerance {
+    double value;
+    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
+};
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 

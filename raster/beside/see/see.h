@@ -112,34 +112,15 @@ struct sight {
     bool has_white;
     double white[3], equal[3];
 };
-/* Make the sight of an observer, in cd m-2 where radiances are absolute; and of any detector of
- * three channels, without that factor. They refuse what the readers of detectors and cube_white
- * refuse, and weights or a white too large to compute with. The caller frees *out, zeroed before,
- * also after a failure. */
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err);
+/* Makes the sight of any detector of three channels, in the unit of the radiances. Refuses what the
+ * readers of detectors and cube_white refuse, and weights or a white too large to compute with. The
+ * caller frees *out, zeroed before, also after a failure. */
 bool sight_relative(const struct cube *cube, const char *detector,
                     const struct white_request *white, struct sight *out, struct error *err);
 void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
-
-/* ---- compare.c: what counts as equal ---- */
-
-enum tolerance_unit { /* the last three in the order of colour differences */
-                      TOLERANCE_RADIANCE,
-                      TOLERANCE_PERCENT,
-                      TOLERANCE_CIE76,
-                      TOLERANCE_CIE94,
-                      TOLERANCE_CIEDE2000
-};
-struct tolerance {
-    double value;
-    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
-};
-/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
-bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: how far a stack is off ---- */
 
