@@ -101,9 +101,4 @@ void obj_free(struct obj *obj);
 bool normals_fill(struct obj *obj, const int32_t *order, const int32_t *starts, double crease_deg,
                   struct error *err);
 
-/* ---- shape.c ---- */
-
-/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
-bool shape_is_flat(enum shape_kind kind);
-
 #endif

@@ -214,6 +214,12 @@ static bool is_disk(const struct shape *shape, int patch)
     return patch >= forms[shape->kind].n_patches;
 }
 
+/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
+static bool shape_is_flat(enum shape_kind kind)
+{
+    return kind == SHAPE_BOX || kind == SHAPE_PLANE || kind == SHAPE_DISK;
+}
+
 bool patch_is_flat(const struct shape *shape, int patch)
 {
     return shape_is_flat(shape->kind) || is_disk(shape, patch);

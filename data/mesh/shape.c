@@ -78,11 +78,6 @@ bool shape_is_solid(enum shape_kind kind)
            kind == SHAPE_CYLINDER || kind == SHAPE_CONE;
 }
 
-bool shape_is_flat(enum shape_kind kind)
-{
-    return kind == SHAPE_BOX || kind == SHAPE_PLANE || kind == SHAPE_DISK;
-}
-
 /* Appends the shape's signature to a message. */
 static bool add_signature(enum shape_kind kind, struct error *err)
 {

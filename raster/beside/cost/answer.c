@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the measurements say: the cheapest way for each error, and what the check, positions and
- * triangles cost; the table of all. */
+/* The answer to what accuracy costs: the cheapest way for each error, the prices of the check, of
+ * positions and of triangles, and the table of all. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -27,8 +27,7 @@ struct configuration {
     bool best;                        /* no other of its kind of pages is cheaper and closer */
 };
 
-/* What a finer way of one kind gains: its error, and that of the way without it, from the finest.
- */
+/* A finer way of one kind: its error, and that of the way without it, from the finest one. */
 struct refinement {
     char words[RENDER_WORDS]; /* of the finer way, behind those of the typical one; "": none */
     double before, after;     /* errors */

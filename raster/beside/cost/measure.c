@@ -9,7 +9,7 @@
 #include "raster/beside/cost/inside.h"
 #include "raster/renderers/renderers.h"
 
-/* What is tried, from few pages to many. A scene refuses some: spectral textures have no
+/* Samplings that are tried, from few pages to many. A scene refuses some: spectral textures have no
  * components. */
 static const char *const samplings[] = {"--sampling=rgb",
                                         "--sampling=basis:4",
@@ -320,7 +320,7 @@ static bool climb(struct measurement *of, struct ladder *ladder, struct refineme
     return done;
 }
 
-/* Outlines are few pixels, so the mean tells them. */
+/* Outlines are few pixels, which a quantile leaves out. */
 static bool find_positions(struct measurement *of, struct error *err)
 {
     struct refinement *out = &of->cost->positions;

@@ -3,6 +3,7 @@
 # level: full; packages: python3-numpy python3-tifffile python3-pil
 """Computes compare's output for two stacks once more with numpy, pixel by pixel, from published formulas; some
 differences have closed forms. Prints TAP."""
+import json
 import os
 import re
 
@@ -11,7 +12,7 @@ import tifffile
 from osgeo import gdal
 
 from colours import cie94, cielab, ciede2000
-from rendered import (built_in, check, done, pages_of, path_of, reference, refuses, response_of, run, weights, write,
+from rendered import (built_in, check, done, output_of, pages_of, path_of, reference, refuses, response_of, run, weights, write,
                       write_stack)
 
 gdal.UseExceptions()
@@ -217,7 +218,7 @@ def components():
     expected = ciede2000(*labs).max()
     result = compare(one, other)
     seen = float(re.search(r"CIEDE2000 .* (\S+) \(largest", result.stdout).group(1))
-    check(abs(seen - expected) < 1e-5 * expected and "16 x 12 pixels, 3 components" in result.stdout
+    check(abs(seen - expected) < 1e-5 * expected and "16 x 12 pixels, 96 not black in both; 3 components" in result.stdout
           and " nm" not in result.stdout, "components of one sampling are compared", seen, expected, result.stdout)
     compare(one, other, "--map", path_of("components.tif"))
     with tifffile.TiffFile(path_of("components.tif")) as tiff:
@@ -225,12 +226,39 @@ def components():
     check(names == ["largest difference of components", "component angle in degrees", "CIEDE2000"],
           "the map of components names no spectra", names)
     check(compare(bases[0], bases[0]).returncode == 0, "a basis equals itself")
-    refused(*bases, "hold components of different samplings: basis:1 for cie1931, and basis:1 for cie1931 of other "
-            "spectra")
-    refused(one, xyz, "hold components of different samplings: rgb for cie1931, and xyz for cie1931$")
-    refused(one, A, "one-rgb.tif holds the components of rgb, .*a.tif radiances")
-    refused(A, one, "one-rgb.tif holds the components of rgb, .*a.tif radiances")
+    for pair, what in ((bases, "bases of other spectra"), ((one, xyz), "rgb and xyz")):
+        said = compare(*pair).stdout
+        check("other components: colours are compared, nothing else" in said and "angle" not in said and "largest of A" not in said,
+              f"of {what} the colours are compared", said)
+        refused(*pair, "colours alone can be compared; expected --map with .png")
     refused(one, other, "expected --detector cie1931", "--detector", "cie1964")
+
+
+def other_wavelengths():
+    """Stacks of other wavelengths have their colours compared, by the weights of each, with the white of the first; pixels that are black
+    in both do not count."""
+    scene = write("ball.scene", "wavelengths 400 700 10\nsize 40 30\ncamera ortho 4\nobject sphere 1.5 20 20 material m\nlight d65 1 direction 1 1 1\n"
+                  "material m { diffuse gaussian:600,40 }\n")
+    fine, coarse = (path_of(f"{name}.tif") for name in ("fine", "coarse"))
+    for stack_path, step in (fine, 5), (coarse, 25):
+        output_of("render", scene, "--wavelengths", f"400:700:{step}", "--depth", "32f", "-q", "-o", stack_path)
+    xyz = [np.tensordot(weights("cie1931", np.arange(400.0, 701, step)), pages_of(each), 1) for each, step in ((fine, 5), (coarse, 25))]
+    shown = (pages_of(fine) != 0).any(0) | (pages_of(coarse) != 0).any(0)
+    white = weights("cie1931", np.arange(400.0, 701, 5)) @ np.interp(np.arange(400.0, 701, 5), *built_in("d65"))
+    found = np.sort(ciede2000(*(cielab(each[:, shown], white[:, None]) for each in xyz)))
+    report = json.loads(output_of("compare", fine, coarse, "--tolerance", "100dE00", "--json", "-"))
+    said = report["dE00"]
+    expected = found.mean(), found[len(found) - len(found) // 20 - 1], found[-1]
+    check(np.allclose([said["mean"], said["quantile_95"], said["largest"]], expected, rtol=2e-3) and expected[0] > 0.05,
+          "the colours of other wavelengths are compared, as numpy does", said, expected)
+    check(report["pixels_not_black"] == shown.sum() < 1200 and report["colours_alone"] and report["largest"] is None and not report["bands"],
+          "black pixels do not count, and there are no differences of pages", report)
+    result = compare(fine, coarse)
+    check(result.returncode == 1 and "61 wavelengths\n                  and 13 other wavelengths: colours are compared, nothing else" in result.stdout,
+          "compare says so, and without a tolerance they differ", result.stdout)
+    refused(fine, coarse, "expected --tolerance as 0.5dE00", "--tolerance", "1%")
+    check(compare(fine, coarse, "--tolerance", "100dE00", "--map", path_of("other.png")).returncode == 0 and os.path.exists(path_of("other.png")),
+          "the map is a PNG of colour differences")
 
 
 # ---- refused stacks ----
@@ -242,9 +270,9 @@ def refused(a, b, pattern, *options):
 
 def test_refusals():
     refused(A, stack("wide.tif", PIXELS[:, :, 1:], NM), rf"wide.tif: .*{W - 1} x {H} pixels, but .* {W} x {H}")
-    refused(A, stack("few.tif", PIXELS[1:], NM[1:]), rf"{len(NM) - 1} wavelengths, but .* has {len(NM)}")
-    refused(A, stack("moved.tif", PIXELS, [*NM[:-1], NM[-1] + 1]), rf"page {len(NM)} is {NM[-1] + 1} nm, but")
-    refused(A, stack("near.tif", PIXELS, [*NM[:-1], NM[-1] + 1e-5]), rf"page {len(NM)} is .* nm, but")
+    refused(A, stack("few.tif", PIXELS[1:], NM[1:]), "colours alone can be compared; expected --map with .png")
+    refused(A, stack("moved.tif", PIXELS, [*NM[:-1], NM[-1] + 1]), "colours alone can be compared; expected --map with .png")
+    refused(A, stack("near.tif", PIXELS, [*NM[:-1], NM[-1] + 1e-5]), "colours alone can be compared; expected --map with .png")
     bad = PIXELS.copy()
     bad[2, 3, 4] = np.nan
     refused(A, stack("nan.tif", bad, NM), "nan.tif")
@@ -271,5 +299,6 @@ test_threads(A, path_of("one-pixel.tif"))
 test_threads(path_of("large-a.tif"), path_of("large-b.tif"))
 coloured_maps()
 components()
+other_wavelengths()
 test_refusals()
 done()
