@@ -18,7 +18,7 @@ const struct configuration *cost_cheapest(const struct cost *cost, double error,
     for (int i = 0; i < cost->n; i++) {
         const struct configuration *one = &cost->samplings[i];
         if (one->components == components && one->error.quantile_95 <= error &&
-            (!best || median_of(&one->checked) < median_of(&best->checked)))
+            (!best || median_of(&one->unchecked) < median_of(&best->unchecked)))
             best = one;
     }
     return best;
@@ -34,6 +34,12 @@ static const struct configuration *closest(const struct cost *cost, bool compone
     return cost_cheapest(cost, least, components);
 }
 
+const struct configuration *cost_without_spectra(const struct cost *cost)
+{
+    const struct configuration *good = cost_cheapest(cost, 0.5, true);
+    return good ? good : closest(cost, true);
+}
+
 const struct configuration *cost_typical(const struct cost *cost)
 {
     const struct configuration *good = cost_cheapest(cost, 0.5, false),
@@ -43,9 +49,18 @@ const struct configuration *cost_typical(const struct cost *cost)
 
 static int by_seconds(const void *a, const void *b)
 {
-    const double one = median_of(&((const struct configuration *)a)->checked),
-                 two = median_of(&((const struct configuration *)b)->checked);
+    const double one = median_of(&((const struct configuration *)a)->unchecked),
+                 two = median_of(&((const struct configuration *)b)->unchecked);
     return (one > two) - (one < two);
+}
+
+/* Returns whether the answer names a configuration. */
+static bool is_named(const struct cost *cost, const struct configuration *of)
+{
+    bool named = of == cost_typical(cost) || of == cost_without_spectra(cost);
+    for (int i = 0; i < WANTED_ERRORS; i++)
+        named = named || of == cost_cheapest(cost, wanted_errors[i], false);
+    return named;
 }
 
 void cost_mark(struct cost *cost)
@@ -55,6 +70,7 @@ void cost_mark(struct cost *cost)
     for (int i = 0; i < cost->n; i++) {
         struct configuration *one = &cost->samplings[i];
         one->best = one->error.quantile_95 < least[one->components];
+        one->named = is_named(cost, one);
         least[one->components] = fmin(least[one->components], one->error.quantile_95);
     }
 }
@@ -63,17 +79,22 @@ void cost_mark(struct cost *cost)
 
 static void print_seconds(const struct configuration *of, struct printed *to)
 {
-    print(to, "%.2g s", median_of(&of->checked));
-    if (of->unchecked.n > 0)
-        print(to, " checked (%.2g unchecked)", median_of(&of->unchecked));
+    const bool checked = of->checked.n > 0, unchecked = of->unchecked.n > 0;
+    if (checked)
+        print(to, "%.2g s checked", median_of(&of->checked));
+    if (unchecked)
+        print(to, checked ? " (%.2g unchecked)" : "%.2g s", median_of(&of->unchecked));
 }
 
 static void print_way(const struct cost *cost, const struct configuration *of, struct printed *to)
 {
+    const struct configuration *every_nm = &cost->every_nm;
+    const double times = cost->checked
+                             ? median_of(&every_nm->checked) / median_of(&of->checked)
+                             : median_of(&every_nm->unchecked) / median_of(&of->unchecked);
     print(to, "%-26s ", of->words);
     print_seconds(of, to);
-    print(to, ", %.2g times cheaper than every nm; error %.3g\n",
-          median_of(&cost->every_nm.checked) / median_of(&of->checked), of->error.quantile_95);
+    print(to, ", %.2g times cheaper than every nm; error %.3g\n", times, of->error.quantile_95);
 }
 
 /* Prints a line for each way; one that is cheapest for several errors has them all. */
@@ -98,8 +119,7 @@ static void print_ways(const struct cost *cost, struct printed *to)
 /* Prints what samplings that hold no spectra can do. */
 static void print_colours(const struct cost *cost, struct printed *to)
 {
-    const struct configuration *way = cost_cheapest(cost, 0.5, true);
-    way = way ? way : closest(cost, true);
+    const struct configuration *way = cost_without_spectra(cost);
     if (!way)
         return;
     print_text(to, "without spectra     ");
@@ -176,7 +196,10 @@ void cost_print(const struct options *options, const struct cost *cost, struct p
 
 static void print_row(const struct configuration *of, struct printed *to)
 {
-    print(to, "%-26s %8.3f %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, median_of(&of->checked),
+    char checked[16] = "";
+    if (of->checked.n > 0)
+        snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
+    print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
           median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.largest,
           of->components ? "no spectra" : "");
 }
@@ -184,8 +207,8 @@ static void print_row(const struct configuration *of, struct printed *to)
 /* Prints those that somebody would choose, and the words of the others. */
 static void print_table(const struct cost *cost, struct printed *to)
 {
-    print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", cost->checked ? "checked" : "seconds",
-          "unchecked", "95 %", "mean", "largest");
+    print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", "checked", "unchecked", "95 %", "mean",
+          "largest");
     for (int i = 0; i < cost->n; i++)
         if (cost->samplings[i].best)
             print_row(&cost->samplings[i], to);
@@ -202,11 +225,11 @@ static void print_csv_row(const struct configuration *of, struct printed *to)
 {
     print_text(to, "\"");
     csv_text(of->words, to);
-    print(to, "\",%.9g,", median_of(&of->checked));
-    if (of->unchecked.n > 0)
-        print(to, "%.9g", median_of(&of->unchecked));
-    print(to, ",%d,%.9g,%.9g,%.9g,%d,%d\n", of->checked.n, of->error.mean, of->error.quantile_95,
-          of->error.largest, !of->components, of->best);
+    print_text(to, "\",");
+    if (of->checked.n > 0)
+        print(to, "%.9g", median_of(&of->checked));
+    print(to, ",%.9g,%d,%.9g,%.9g,%.9g,%d,%d\n", median_of(&of->unchecked), of->unchecked.n,
+          of->error.mean, of->error.quantile_95, of->error.largest, !of->components, of->best);
 }
 
 void cost_csv(const struct cost *cost, struct printed *to)
@@ -222,7 +245,7 @@ static void json_row(struct json *json, const char *key, const struct configurat
     json_string(json, "options", of->words);
     json_number(json, "checked_seconds", median_of(&of->checked));
     json_number(json, "unchecked_seconds", median_of(&of->unchecked));
-    json_count(json, "runs", (uint64_t)of->checked.n);
+    json_count(json, "runs", (uint64_t)of->unchecked.n);
     json_number(json, "dE00_mean", of->error.mean);
     json_number(json, "dE00_95", of->error.quantile_95);
     json_number(json, "dE00_largest", of->error.largest);

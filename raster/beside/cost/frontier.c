@@ -29,7 +29,7 @@ static struct chart_series series_of(const char *name, enum chart_kind kind,
 
 void cost_svg(const struct cost *cost, struct printed *to)
 {
-    struct marks best = {.n = 0}, unchecked = {.n = 0}, components = {.n = 0};
+    struct marks best = {.n = 0}, checked = {.n = 0}, components = {.n = 0};
     double largest = 0;
     char title[512], label[96];
     for (int i = 0; i < cost->n; i++)
@@ -37,18 +37,18 @@ void cost_svg(const struct cost *cost, struct printed *to)
     const double least = largest > 0 ? largest / 1000 : 1;
     for (int i = 0; i < cost->n; i++) {
         const struct configuration *one = &cost->samplings[i];
-        if (!one->best)
-            continue;
-        mark(one->components ? &components : &best, one, &one->checked, least);
-        if (!one->components)
-            mark(&unchecked, one, &one->unchecked, least);
+        if (one->best)
+            mark(one->components ? &components : &best, one, &one->unchecked, least);
+        if (one->checked.n > 0)
+            mark(&checked, one, &one->checked, least);
     }
     struct chart_series series[] = {
-        series_of(cost->checked ? "checked" : "by the reference", CHART_STEPS, &best),
-        series_of("without spectra", CHART_RINGS, &components),
-        series_of("unchecked", CHART_CIRCLES, &unchecked)};
+        series_of(cost->checked ? "unchecked" : "by the reference", CHART_STEPS, &best),
+        series_of("unchecked, without spectra", CHART_RINGS, &components),
+        series_of("checked", CHART_CIRCLES, &checked)};
     series[0].labels = best.names;
     series[1].labels = components.names;
+    series[2].labels = checked.names;
     snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
              cost->observer);
     snprintf(label, sizeof label, "CIEDE2000, 95 %% of the pixels (%.2g: this or less)", least);

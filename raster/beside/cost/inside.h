@@ -23,8 +23,10 @@ struct configuration {
     char words[RENDER_WORDS]; /* options of render, with a blank between two; "": none */
     bool components;          /* its pages are no radiances at wavelengths */
     struct colour_difference error;
-    struct timing checked, unchecked; /* checked: without OpenGL the reference's */
-    bool best;                        /* no other of its kind of pages is cheaper and closer */
+    struct timing unchecked; /* with --no-check; without OpenGL the reference's */
+    struct timing checked;   /* of those that are named, and of every nm */
+    bool best;               /* no other of its kind of pages is cheaper and closer */
+    bool named;              /* in the answer */
 };
 
 /* A finer way of one kind: its error, and that of the way without it, from the finest one. */
@@ -66,10 +68,13 @@ extern const double wanted_errors[WANTED_ERRORS]; /* in CIEDE2000, the largest f
 /* Returns the cheapest configuration within an error; NULL: none. components: only those whose
  * pages are components count; otherwise only radiances at wavelengths. */
 const struct configuration *cost_cheapest(const struct cost *cost, double error, bool components);
+/* Returns the way without spectra that the answer names: the cheapest within 0.5, or else the most
+ * accurate; NULL: there is none. */
+const struct configuration *cost_without_spectra(const struct cost *cost);
 /* Returns the cheapest of radiances within 0.5, or else the most accurate: the first, if
  * there is none of radiances. */
 const struct configuration *cost_typical(const struct cost *cost);
-void cost_mark(struct cost *cost); /* those on the frontier */
+void cost_mark(struct cost *cost); /* sorts the samplings, and finds which are best and named */
 void cost_print(const struct options *options, const struct cost *cost, struct printed *to);
 void cost_csv(const struct cost *cost, struct printed *to);
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */

@@ -60,6 +60,12 @@ static void timing_add(struct timing *to, double seconds)
     to->seconds[at] = seconds;
 }
 
+/* A command line that takes long is not run again: its seconds scatter less. */
+static bool is_long(const struct timing *of)
+{
+    return of->n > 0 && of->seconds[0] > 1;
+}
+
 double median_of(const struct timing *of)
 {
     return of->n == 0 ? (double)NAN : (of->seconds[(of->n - 1) / 2] + of->seconds[of->n / 2]) / 2;
@@ -157,17 +163,29 @@ static bool run(struct measurement *of, const char *words, int stack, struct tim
     return conclude(of, &own, err);
 }
 
-/* Renders with the words of a configuration and more, three times, but once if it takes long. */
+/* Renders with the words of a configuration and more. */
+static bool run_once(struct measurement *of, const char *words, const char *more,
+                     struct timing *out, struct error *err)
+{
+    char all[WORDS_LENGTH];
+    snprintf(all, sizeof all, "%s%s", words, more);
+    return run(of, all, STACK, out, err);
+}
+
+/* Renders three times, but once if it takes long. */
 static bool run_more(struct measurement *of, const char *words, const char *more,
                      struct timing *out, struct error *err)
 {
-    static const double is_long = 1;
-    char all[WORDS_LENGTH];
-    snprintf(all, sizeof all, "%s%s", words, more);
-    while (out->n < FEWEST_RUNS && !(out->n > 0 && out->seconds[0] > is_long))
-        if (!run(of, all, STACK, out, err))
+    while (out->n < FEWEST_RUNS && !is_long(out))
+        if (!run_once(of, words, more, out, err))
             return false;
     return true;
+}
+
+/* Runs a configuration without the check, if there is one. */
+static bool run_unchecked(struct measurement *of, struct configuration *out, struct error *err)
+{
+    return run_once(of, out->words, of->cost->checked ? " --no-check" : "", &out->unchecked, err);
 }
 
 /* Finds how far a stack is off from another. */
@@ -186,7 +204,7 @@ static bool make_standard(struct measurement *of, struct error *err)
     struct configuration *out = &of->cost->every_nm;
     struct printed line = {.text = NULL};
     snprintf(out->words, sizeof out->words, "%s --depth=32f", every_nm);
-    if (!run(of, out->words, STANDARD, &out->checked, err))
+    if (!run(of, out->words, STANDARD, of->cost->checked ? &out->checked : &out->unchecked, err))
         return false;
     of->likely = likely_share * (clock_seconds() - of->begun) + likely_rest;
     print(&line, "about %.2g s\n", of->likely);
@@ -201,7 +219,7 @@ static bool try_sampling(struct measurement *of, int sampling, struct error *err
     struct error own = {.status = EXIT_AGREED};
     *out = (struct configuration){.components = sampling < N_COMPONENTS};
     snprintf(out->words, sizeof out->words, "%s", samplings[sampling]);
-    const bool drawn = run(of, out->words, STACK, &out->checked, &own);
+    const bool drawn = run_unchecked(of, out, &own);
     if (drawn && differ(of, &of->standard, STACK, &out->error, &own))
         cost->n++;
     else if (drawn && own.status == EXIT_INPUT) /* the standard has no white */
@@ -230,7 +248,8 @@ static bool try_all(struct measurement *of, struct error *err)
 static bool is_open(const struct timing *best, const struct timing *other)
 {
     const double margin = other->n < FEWEST_RUNS || best->n < FEWEST_RUNS ? 1.2 : 1;
-    return other->n < MOST_RUNS && other->seconds[0] < margin * best->seconds[best->n - 1];
+    return other->n < MOST_RUNS && !is_long(other) &&
+           other->seconds[0] < margin * best->seconds[best->n - 1];
 }
 
 /* Runs the cheapest within an error, and its rivals, once more. *settled: there was no need to. */
@@ -242,11 +261,11 @@ static bool run_rivals(struct measurement *of, double error, bool components, bo
     for (int i = 0; best && i < cost->n; i++) {
         struct configuration *other = &cost->samplings[i];
         const bool counts = other->components == components && other->error.quantile_95 <= error;
-        if (!counts || !is_open(&best->checked, &other->checked) ||
-            (other == best && best->checked.n >= FEWEST_RUNS))
+        if (!counts || !is_open(&best->unchecked, &other->unchecked) ||
+            (other == best && best->unchecked.n >= FEWEST_RUNS))
             continue;
         *settled = false;
-        if (!run(of, other->words, STACK, &other->checked, err))
+        if (!run_unchecked(of, other, err))
             return false;
     }
     return true;
@@ -265,14 +284,14 @@ static bool settle(struct measurement *of, struct error *err)
     return true;
 }
 
-/* Renders those that are cheapest for their error without the check. */
-static bool run_unchecked(struct measurement *of, struct error *err)
+/* Renders those that the answer names with the check. */
+static bool run_checked(struct measurement *of, struct error *err)
 {
     struct cost *cost = of->cost;
     cost_mark(cost);
     for (int i = 0; cost->checked && i < cost->n; i++)
-        if (cost->samplings[i].best && !run_more(of, cost->samplings[i].words, " --no-check",
-                                                 &cost->samplings[i].unchecked, err))
+        if (cost->samplings[i].named &&
+            !run_more(of, cost->samplings[i].words, "", &cost->samplings[i].checked, err))
             return false;
     return true;
 }
@@ -372,7 +391,7 @@ static bool find_prices(struct measurement *of, struct error *err)
 /* Halves the sides of a large picture, until prices that are ratios take little time. */
 static void find_small_size(struct measurement *of)
 {
-    static const int most = 250000; /* pixels */
+    static const int most = 60000; /* pixels */
     int width = of->scene.width, height = of->scene.height;
     for (; (double)width * height > most; width /= 2)
         height = height > 1 ? height / 2 : 1;
@@ -415,8 +434,8 @@ static bool measure(struct measurement *of, struct error *err)
         guard_remove(of->stacks[i]);
     }
     of->standard.path = of->stacks[STANDARD];
-    return make_standard(of, err) && try_all(of, err) && settle(of, err) &&
-           run_unchecked(of, err) && find_prices(of, err);
+    return make_standard(of, err) && try_all(of, err) && settle(of, err) && run_checked(of, err) &&
+           find_prices(of, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
