@@ -23,8 +23,8 @@ struct configuration {
     char words[RENDER_WORDS]; /* options of render, with a blank between two; "": none */
     bool components;          /* its pages are no radiances at wavelengths */
     struct colour_difference error;
-    struct timing unchecked; /* with --no-check; without OpenGL the reference's */
-    struct timing checked;   /* of those that are named, and of every nm */
+    struct timing unchecked; /* by the reference alone */
+    struct timing checked;   /* of those that are named, whose error is that of this picture */
     bool best;               /* no other of its kind of pages is cheaper and closer */
     bool named;              /* in the answer */
 };
@@ -47,7 +47,7 @@ struct cost {
     struct configuration samplings[MOST_SAMPLINGS];
     int n;                               /* of samplings; by seconds in the end */
     const struct configuration *typical; /* which the other prices are measured with */
-    struct timing alone;                 /* the reference's seconds for that */
+    struct timing opengl;                /* seconds of OpenGL alone for that */
     struct refinement positions, triangles;
     int n_runs, n_not_agreed; /* not agreed: the check said so */
     char **notes;             /* on what the scene refuses; owned */
@@ -68,9 +68,6 @@ extern const double wanted_errors[WANTED_ERRORS]; /* in CIEDE2000, the largest f
 /* Returns the cheapest configuration within an error; NULL: none. components: only those whose
  * pages are components count; otherwise only radiances at wavelengths. */
 const struct configuration *cost_cheapest(const struct cost *cost, double error, bool components);
-/* Returns the way without spectra that the answer names: the cheapest within 0.5, or else the most
- * accurate; NULL: there is none. */
-const struct configuration *cost_without_spectra(const struct cost *cost);
 /* Returns the cheapest of radiances within 0.5, or else the most accurate: the first, if
  * there is none of radiances. */
 const struct configuration *cost_typical(const struct cost *cost);

@@ -11,31 +11,19 @@
 
 /* Samplings that are tried, from few pages to many. A scene refuses some: spectral textures have no
  * components. */
-static const char *const samplings[] = {"--sampling=rgb",
-                                        "--sampling=basis:4",
-                                        "--sampling=basis:8",
-                                        "--sampling=gauss:4",
-                                        "--sampling=gauss:8",
-                                        "--sampling=riemann:40",
-                                        "--sampling=adaptive:0.1",
-                                        "--sampling=gauss:16",
-                                        "--sampling=riemann:20",
-                                        "--sampling=adaptive:0.01",
-                                        "--sampling=gauss:24",
-                                        "--sampling=riemann:10",
-                                        "--sampling=adaptive:0.001",
-                                        "--sampling=riemann:5",
-                                        "--sampling=riemann:2"};
+static const char *const samplings[] = {
+    "--sampling=rgb",       "--sampling=basis:4",    "--sampling=basis:8",
+    "--sampling=gauss:8",   "--sampling=riemann:40", "--sampling=adaptive:0.1",
+    "--sampling=gauss:16",  "--sampling=riemann:20", "--sampling=adaptive:0.01",
+    "--sampling=gauss:24",  "--sampling=riemann:10", "--sampling=adaptive:0.001",
+    "--sampling=riemann:5", "--sampling=riemann:2"};
 enum { N_COMPONENTS = 3, N_SAMPLINGS = sizeof samplings / sizeof samplings[0] };
 
 static const char every_nm[] = "--sampling=riemann:1";
 static const char alone[] = " --renderer=raster --no-check"; /* the reference */
 
 enum { STANDARD, STACK, FINEST, N_STACKS }; /* files */
-enum { FEWEST_RUNS = 3 };
-/* The likely seconds in all, from those of the standard: see data/doc/accuracy.md. */
-static const double likely_share = 2, likely_rest = 4;
-enum { WORDS_LENGTH = 5 * RENDER_WORDS };
+enum { FEWEST_RUNS = 3, WORDS_LENGTH = 5 * RENDER_WORDS };
 
 struct measurement {
     const struct options *options;
@@ -182,10 +170,10 @@ static bool run_more(struct measurement *of, const char *words, const char *more
     return true;
 }
 
-/* Runs a configuration without the check, if there is one. */
+/* The reference draws a configuration alone. */
 static bool run_unchecked(struct measurement *of, struct configuration *out, struct error *err)
 {
-    return run_once(of, out->words, of->cost->checked ? " --no-check" : "", &out->unchecked, err);
+    return run_once(of, out->words, alone, &out->unchecked, err);
 }
 
 /* Finds how far a stack is off from another. */
@@ -198,15 +186,25 @@ static bool differ(const struct measurement *of, struct seen_stack *standard, in
 
 /* ---- samplings ---- */
 
-/* Renders the standard, float pages at every nm, and says how long everything is likely to take. */
+/* Renders the standard: float pages at every nm, by the reference. */
 static bool make_standard(struct measurement *of, struct error *err)
 {
     struct configuration *out = &of->cost->every_nm;
+    char words[WORDS_LENGTH];
+    snprintf(out->words, sizeof out->words, "%s", every_nm);
+    snprintf(words, sizeof words, "%s%s%s", every_nm, " --depth=32f", alone);
+    return run(of, words, STANDARD, &out->unchecked, err);
+}
+
+/* Says how long everything is likely to take, when the first sampling has been drawn: some thirty
+ * pictures, a third of them with the check; more of those that do not take long. */
+static bool announce(struct measurement *of, struct error *err)
+{
+    static const double rest = 3, many = 75, few = 21;
+    const struct timing *first = &of->cost->samplings[0].unchecked;
     struct printed line = {.text = NULL};
-    snprintf(out->words, sizeof out->words, "%s --depth=32f", every_nm);
-    if (!run(of, out->words, STANDARD, of->cost->checked ? &out->checked : &out->unchecked, err))
-        return false;
-    of->likely = likely_share * (clock_seconds() - of->begun) + likely_rest;
+    of->likely =
+        clock_seconds() - of->begun + rest + (is_long(first) ? few : many) * first->seconds[0];
     print(&line, "about %.2g s\n", of->likely);
     return of->options->quiet || printed_show(&line, STDERR_FILENO, err);
 }
@@ -237,7 +235,7 @@ static bool try_all(struct measurement *of, struct error *err)
 {
     const double least = wanted_errors[WANTED_ERRORS - 1];
     for (int i = 0; i < N_SAMPLINGS && !cost_cheapest(of->cost, least, false); i++)
-        if (!try_sampling(of, i, err))
+        if (!try_sampling(of, i, err) || (of->likely <= 0 && of->cost->n > 0 && !announce(of, err)))
             return false;
     return of->cost->n > 0 || error_usage(err, "%s", of->cost->notes[0]);
 }
@@ -284,16 +282,32 @@ static bool settle(struct measurement *of, struct error *err)
     return true;
 }
 
-/* Renders those that the answer names with the check. */
+/* Renders a configuration with the check, as its user would, and measures that picture. */
+static bool check_one(struct measurement *of, struct configuration *out, struct error *err)
+{
+    return run_more(of, out->words, "", &out->checked, err) &&
+           differ(of, &of->standard, STACK, &out->error, err);
+}
+
+/* Renders those that the answer names with the check. Its errors decide, so that it may name others
+ * then. */
 static bool run_checked(struct measurement *of, struct error *err)
 {
     struct cost *cost = of->cost;
+    bool all = !cost->checked;
     cost_mark(cost);
-    for (int i = 0; cost->checked && i < cost->n; i++)
-        if (cost->samplings[i].named &&
-            !run_more(of, cost->samplings[i].words, "", &cost->samplings[i].checked, err))
-            return false;
-    return true;
+    while (!all) {
+        all = true;
+        for (int i = 0; i < cost->n; i++)
+            if (cost->samplings[i].named && cost->samplings[i].checked.n == 0) {
+                all = false;
+                if (!check_one(of, &cost->samplings[i], err))
+                    return false;
+            }
+        cost_mark(cost);
+    }
+    return !cost->checked || is_long(&cost->every_nm.unchecked) ||
+           run_more(of, every_nm, "", &cost->every_nm.checked, err);
 }
 
 /* ---- positions and triangles, with a sampling of few pages and not too many pixels ---- */
@@ -382,7 +396,8 @@ static bool find_prices(struct measurement *of, struct error *err)
 {
     struct cost *cost = of->cost;
     cost->typical = cost_typical(cost);
-    return (!cost->checked || run_more(of, cost->typical->words, alone, &cost->alone, err)) &&
+    return (!cost->checked ||
+            run_more(of, cost->typical->words, " --no-check", &cost->opengl, err)) &&
            find_positions(of, err) && find_triangles(of, err);
 }
 
