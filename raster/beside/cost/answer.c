@@ -131,8 +131,8 @@ static void print_check(const struct cost *cost, struct printed *to)
         print_text(to, "check               none: the reference draws alone\n");
     else
         print(to,
-              "check               %.2g s, of which OpenGL takes %.2g and the reference %.2g: "
-              "comparing takes the rest\n",
+              "check               %.2g s: OpenGL takes %.2g, the reference %.2g, comparing the "
+              "rest\n",
               checked, opengl, reference);
 }
 

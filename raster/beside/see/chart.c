@@ -238,6 +238,15 @@ static void draw_path(const struct plot *plot, const struct chart_series *series
     print_text(plot->to, "\"/>");
 }
 
+/* Returns the number of a series' first label: numbers go on from series to series. */
+static int first_number(const struct plot *plot, int series)
+{
+    int number = 1;
+    for (int s = 0; s < series; s++)
+        number += plot->chart->series[s].labels ? plot->chart->series[s].n : 0;
+    return number;
+}
+
 /* A point of a line whose neighbours are missing is a dot. */
 static void draw_series(const struct plot *plot, int index)
 {
@@ -259,7 +268,7 @@ static void draw_series(const struct plot *plot, int index)
             print(plot->to,
                   "<text stroke=\"none\" fill=\"#222\" text-anchor=\"end\" x=\"%.2f\" "
                   "y=\"%.2f\">%d</text>",
-                  x - 6, fmin(y + 14, BOTTOM - 4), i + 1);
+                  x - 6, fmin(y + 14, BOTTOM - 4), first_number(plot, index) + i);
     }
     print_text(plot->to, "</g>\n");
 }
@@ -288,7 +297,7 @@ static void draw_legend(const struct plot *plot, int y)
         for (int i = 0; series->labels && i < series->n; i++) {
             y += ROW;
             print(plot->to, "<text text-anchor=\"end\" x=\"%d\" y=\"%d\">%d</text>", LEFT + SAMPLE,
-                  y + 4, i + 1);
+                  y + 4, first_number(plot, s) + i);
             draw_name(plot, y, series->labels[i], "");
         }
     }
