@@ -7,7 +7,7 @@
 static struct configuration of(const char *words, bool components, double error, double seconds)
 {
     struct configuration out = {
-        .components = components, .error.quantile_95 = error, .checked = {{seconds}, 1}};
+        .components = components, .error.quantile_95 = error, .unchecked = {{seconds}, 1}};
     snprintf(out.words, sizeof out.words, "%s", words);
     return out;
 }
