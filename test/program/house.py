@@ -70,9 +70,9 @@ TRUSTED = "raster/reference", "raster/visibility", "data/maths"
 TOGETHER = {
     "trusted code": (TRUSTED, 1600),  # a user must believe it, and reads it in an hour and a half
     # a small single-purpose tool: who adds to it takes something out, or raises this in a commit of its own that says why
-    "own C": (ORDER, 38_900),
+    "own C": (ORDER, 36_950),
     # the core is the minimal program, which renders, checks and stores; the rest stands beside it
-    "the core": ([room for room in ORDER if not room.startswith(BESIDE)], 29_000),
+    "the core": ([room for room in ORDER if not room.startswith(BESIDE)], 28_050),
 }
 FUNCTION_LINES = 50
 FUNCTION_PARAMETERS = 6
