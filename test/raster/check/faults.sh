@@ -120,9 +120,6 @@ lacks() { # FAULT MESSAGE [OPTION...]
 lacks 81 'OSMesa gives 32 bits of colour, 16 of depth and 8 of stencil; 32, 24 and 8 are needed'
 lacks 82 'OSMesa draws at most 16 x [0-9]* pixels at once'
 lacks 83 'this OSMesa draws with another driver, not with softpipe' --renderer softpipe
-exits 0 "cost goes on where OSMesa lacks a driver" \
-    env FAULT=83 LD_PRELOAD="$FAULTS" "$SPECTRAL" cost test/cases/faults/grid.scene --size 8x6 --runs 5 -j 1
-prints 'without .*softpipe.*: this OSMesa draws with another driver, not with softpipe' "cost notes what it leaves out"
 
 for depth in 16 32f; do
     for fault in 48 68; do
