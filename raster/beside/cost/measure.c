@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
+#include "raster/beside/measure/measure.h"
+#include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
 /* Samplings that are tried, from few pages to many. A scene refuses some: spectral textures have no
@@ -197,14 +199,14 @@ static bool make_standard(struct measurement *of, struct error *err)
 }
 
 /* Says how long everything is likely to take, when the first sampling has been drawn: some thirty
- * pictures, a third of them with the check; more of those that do not take long. */
+ * pictures, a third of them with the check, and fewer where each takes long. The numbers fit the
+ * nine built-in scenes on two processors within a third. */
 static bool announce(struct measurement *of, struct error *err)
 {
-    static const double rest = 3, many = 75, few = 21;
-    const struct timing *first = &of->cost->samplings[0].unchecked;
+    static const double rest = 4, pictures = 90, fewer = 1.2;
+    const double first = of->cost->samplings[0].unchecked.seconds[0];
     struct printed line = {.text = NULL};
-    of->likely =
-        clock_seconds() - of->begun + rest + (is_long(first) ? few : many) * first->seconds[0];
+    of->likely = clock_seconds() - of->begun + rest + pictures * first / (1 + fewer * first);
     print(&line, "about %.2g s\n", of->likely);
     return of->options->quiet || printed_show(&line, STDERR_FILENO, err);
 }
@@ -416,6 +418,20 @@ static void find_small_size(struct measurement *of)
     of->cost->small_height = height;
 }
 
+/* Finds whether OpenGL draws here, or is asked for by name. */
+static bool find_opengl(const struct options *options, bool *out, struct error *err)
+{
+    const struct render_options *render = options->own;
+    struct driver_list found = {.n = 0};
+    *out = render->gl != NULL;
+    if (!gl_is_built() || *out)
+        return true;
+    const bool done = drivers_add(&found, "auto", NULL, false, err);
+    *out = done && found.n > 0 && found.list[0].usable;
+    free(found.list);
+    return done;
+}
+
 /* Refuses a detector that is no observer. OpenGL draws no phong shading: the reference alone then
  * draws all configurations. */
 static bool survey(struct measurement *of, struct error *err)
@@ -425,7 +441,8 @@ static bool survey(struct measurement *of, struct error *err)
     struct cost *cost = of->cost;
     cost->observer = options_detector(of->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
-                      scene_read_options(of->options, &of->scene, err);
+                      scene_read_options(of->options, &of->scene, err) &&
+                      find_opengl(of->options, &cost->checked, err);
     detector_free(&observer);
     if (!done)
         return false;
@@ -434,7 +451,7 @@ static bool survey(struct measurement *of, struct error *err)
         print(&name, " %s", of->options->recorded[i]);
     cost->width = of->scene.width;
     cost->height = of->scene.height;
-    cost->checked = gl_is_built() && of->scene.shading != SHADING_PHONG;
+    cost->checked = cost->checked && of->scene.shading != SHADING_PHONG;
     find_small_size(of);
     cost->scene = printed_take(&name, err);
     return cost->scene != NULL;
