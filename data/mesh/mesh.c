@@ -103,7 +103,7 @@ bool mesh_repeat_texture(struct mesh *mesh, const double repeat[2], struct error
     for (int i = 0; done && i < mesh->n_triangles; i++)
         done = move_texture(mesh, i, &known, &moved, err);
     index_free(&known);
-    FREE_ALL(mesh->vertices, mesh->parameters);
+    FREE_ALL(mesh->vertices, mesh->parameters, moved.triangles); /* of these room for one */
     mesh->vertices = moved.vertices;
     mesh->parameters = moved.parameters;
     mesh->n_vertices = moved.n_vertices;
