@@ -119,7 +119,7 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
 /* Finds how many devices EGL lists; 0 without EGL. For a process of its own. */
 bool contexts_devices(int *out, struct error *err);
 /* Writes name, version and driver of the library that is used by default. */
-void gl_library(char *out, size_t capacity);
+bool gl_library(char *out, size_t capacity);
 
 /* ---- opened.c: what renderers through OpenGL share ---- */
 

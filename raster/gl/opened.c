@@ -311,18 +311,20 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
     return done;
 }
 
-void gl_library(char *out, size_t capacity)
+bool gl_library(char *out, size_t capacity)
 {
     const struct plan_options wish = {.threads = 1};
     struct context_description is;
     struct error err = {.status = EXIT_AGREED};
+    const bool done = built_in || contexts_describe(&wish, &is, &err);
     if (built_in)
         snprintf(out, capacity, "%s", built_in);
-    else if (contexts_describe(&wish, &is, &err))
+    else if (done)
         snprintf(out, capacity, "%s %s (%s)", is.names.library, is.names.version,
                  is.names.renderer);
     else
         snprintf(out, capacity, "OpenGL cannot draw: spectral drivers prints why");
+    return done;
 }
 
 /* ---- opening ---- */

@@ -182,8 +182,9 @@ struct drawing_ways {
      * with EXIT_SYSTEM, and the reason, where the driver cannot be checked. NULL: cannot measure.
      */
     bool (*measure)(const struct plan_options *by, struct driver *out, struct error *err);
-    /* Writes name, version and driver of the library that is used by default; NULL: no OpenGL. */
-    void (*library)(char *out, size_t capacity);
+    /* Writes name, version and driver of the library that is used by default, or that it cannot
+     * draw, and returns whether it can. NULL: no OpenGL. */
+    bool (*library)(char *out, size_t capacity);
 };
 extern const struct drawing_ways drawing_ways;
 bool gl_is_built(void); /* this program can draw through OpenGL */

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/measure/measure.h"
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
@@ -418,18 +417,12 @@ static void find_small_size(struct measurement *of)
     of->cost->small_height = height;
 }
 
-/* Finds whether OpenGL draws here, or is asked for by name. */
-static bool find_opengl(const struct options *options, bool *out, struct error *err)
+/* Returns whether OpenGL draws here, or is asked for by name. */
+static bool opengl_draws(const struct options *options)
 {
     const struct render_options *render = options->own;
-    struct driver_list found = {.n = 0};
-    *out = render->gl != NULL;
-    if (!gl_is_built() || *out)
-        return true;
-    const bool done = drivers_add(&found, "auto", NULL, false, err);
-    *out = done && found.n > 0 && found.list[0].usable;
-    free(found.list);
-    return done;
+    char ignored[256];
+    return gl_is_built() && (render->gl || drawing_ways.library(ignored, sizeof ignored));
 }
 
 /* Refuses a detector that is no observer. OpenGL draws no phong shading: the reference alone then
@@ -441,8 +434,7 @@ static bool survey(struct measurement *of, struct error *err)
     struct cost *cost = of->cost;
     cost->observer = options_detector(of->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
-                      scene_read_options(of->options, &of->scene, err) &&
-                      find_opengl(of->options, &cost->checked, err);
+                      scene_read_options(of->options, &of->scene, err);
     detector_free(&observer);
     if (!done)
         return false;
@@ -451,7 +443,7 @@ static bool survey(struct measurement *of, struct error *err)
         print(&name, " %s", of->options->recorded[i]);
     cost->width = of->scene.width;
     cost->height = of->scene.height;
-    cost->checked = cost->checked && of->scene.shading != SHADING_PHONG;
+    cost->checked = of->scene.shading != SHADING_PHONG && opengl_draws(of->options);
     find_small_size(of);
     cost->scene = printed_take(&name, err);
     return cost->scene != NULL;
