@@ -140,6 +140,10 @@ static void print_check(const struct cost *cost, struct printed *to)
 static void print_refinement(const struct cost *cost, const char *name, const char *what,
                              const struct refinement *of, struct printed *to)
 {
+    if (isnan(of->before)) {
+        print(to, "%-20snot known: there is nothing finer\n", name);
+        return;
+    }
     print(to, "%-20s%s %.2g", name, what, of->before);
     if (of->words[0])
         print(to, ";%s: %.2g, for %.2g times the seconds", of->words, of->after, of->factor);
@@ -172,9 +176,8 @@ void cost_print(const struct options *options, const struct cost *cost, struct p
 {
     print(to,
           "scene               %s, %d x %d pixels, seen by %s\n"
-          "                    seconds of processors, unchecked by the reference alone; CIEDE2000 "
-          "of 95 %% of "
-          "the pixels\n",
+          "                    seconds of processors, unchecked by the reference alone; "
+          "CIEDE2000 of 95 %% of the pixels\n",
           cost->scene, cost->width, cost->height, cost->observer);
     print_ways(cost, to);
     print(to, "%-20s%-26s ", "every nm", "--sampling=riemann:1");

@@ -32,7 +32,7 @@ struct configuration {
 /* A finer way of one kind: its error, and that of the way without it, from the finest one. */
 struct refinement {
     char words[RENDER_WORDS]; /* of the finer way, behind those of the typical one; "": none */
-    double before, after;     /* errors */
+    double before, after;     /* errors; before NaN: nothing finer can be drawn */
     double factor;            /* its seconds, as a multiple */
 };
 

@@ -198,8 +198,8 @@ static bool make_standard(struct measurement *of, struct error *err)
 }
 
 /* Says how long everything is likely to take, when the first sampling has been drawn: some thirty
- * pictures, a third of them with the check, and fewer where each takes long. The numbers fit the
- * nine built-in scenes on two processors within a third. */
+ * pictures, a third of them with the check, and fewer where each takes long. The numbers were
+ * fitted to built-in scenes on two processors. */
 static bool announce(struct measurement *of, struct error *err)
 {
     static const double rest = 4, pictures = 90, fewer = 1.2;
@@ -359,9 +359,10 @@ static bool find_positions(struct measurement *of, struct error *err)
 {
     struct refinement *out = &of->cost->positions;
     const int side = of->scene.positions;
-    struct colour_difference error;
+    struct colour_difference error = {.mean = 0};
     struct ladder ladder;
     char finest[RENDER_WORDS];
+    out->before = (double)NAN;
     if (4 * side > MOST_POSITIONS)
         return true;
     snprintf(finest, sizeof finest, " --samples=%d", 4 * side);
@@ -380,7 +381,7 @@ static bool find_triangles(struct measurement *of, struct error *err)
     static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
     static const double none = 0.02; /* an error that nobody would spend a second on */
     struct refinement *out = &of->cost->triangles;
-    struct colour_difference error;
+    struct colour_difference error = {.quantile_95 = 0};
     struct ladder ladder;
     bool done = begin_ladder(of, finest, &ladder, &error, err);
     out->before = error.quantile_95;
@@ -417,12 +418,21 @@ static void find_small_size(struct measurement *of)
     of->cost->small_height = height;
 }
 
-/* Returns whether OpenGL draws here, or is asked for by name. */
-static bool opengl_draws(const struct options *options)
+static bool try_opengl(void *context, void *out, struct error *err)
+{
+    char ignored[256];
+    (void)context, (void)err;
+    *(bool *)out = drawing_ways.library(ignored, sizeof ignored);
+    return true;
+}
+
+/* Finds whether OpenGL draws here, or is asked for by name. It is tried in a process of its own:
+ * variables that it sets for this process would reach the renders. */
+static bool find_opengl(const struct options *options, bool *out, struct error *err)
 {
     const struct render_options *render = options->own;
-    char ignored[256];
-    return gl_is_built() && (render->gl || drawing_ways.library(ignored, sizeof ignored));
+    *out = gl_is_built();
+    return !*out || render->gl || process_run(try_opengl, NULL, out, sizeof *out, err);
 }
 
 /* Refuses a detector that is no observer. OpenGL draws no phong shading: the reference alone then
@@ -434,7 +444,8 @@ static bool survey(struct measurement *of, struct error *err)
     struct cost *cost = of->cost;
     cost->observer = options_detector(of->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
-                      scene_read_options(of->options, &of->scene, err);
+                      scene_read_options(of->options, &of->scene, err) &&
+                      find_opengl(of->options, &cost->checked, err);
     detector_free(&observer);
     if (!done)
         return false;
@@ -443,7 +454,7 @@ static bool survey(struct measurement *of, struct error *err)
         print(&name, " %s", of->options->recorded[i]);
     cost->width = of->scene.width;
     cost->height = of->scene.height;
-    cost->checked = of->scene.shading != SHADING_PHONG && opengl_draws(of->options);
+    cost->checked = cost->checked && of->scene.shading != SHADING_PHONG;
     find_small_size(of);
     cost->scene = printed_take(&name, err);
     return cost->scene != NULL;

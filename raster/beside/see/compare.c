@@ -213,15 +213,17 @@ static bool is_known(const struct comparison *of)
     return of->seen && of->seen->complete;
 }
 
-/* Sees a pixel of A, or knows it. */
-static struct seen_pixel see_pixel(const struct comparison *of, const double *pages, size_t pixel)
+/* Sees a pixel of A, or knows it; its colour only if that is wanted. */
+static struct seen_pixel see_pixel(const struct comparison *of, const double *pages, size_t pixel,
+                                   bool coloured)
 {
     const int n = of->a.cube.image.n_pages;
-    struct seen_pixel seen;
+    struct seen_pixel seen = {.xyz = {0}};
     if (is_known(of))
         return of->seen->pixels[pixel];
     seen.black = is_black(pages, n);
-    detector_response(of->sight.weights, pages, n, seen.xyz);
+    if (coloured)
+        detector_response(of->sight.weights, pages, n, seen.xyz);
     if (of->seen)
         of->seen->pixels[pixel] = seen;
     return seen;
@@ -241,13 +243,15 @@ static void compare_row(void *context, int row)
         double *measures = of->measures[at];
         if (!is_known(of))
             of->largest_a[row] = fmax(of->largest_a[row], read_pixel(&of->a, at, a));
-        const struct seen_pixel seen = see_pixel(of, a, (size_t)y * (size_t)width + (size_t)x);
         read_pixel(&of->b, at, b);
         const double largest = of->alike ? compare_bands(a, b, n_a, x, y, bands) : 0;
+        const bool coloured = of->sight.has_white && (largest > 0 || !of->alike);
+        const struct seen_pixel seen =
+            see_pixel(of, a, (size_t)y * (size_t)width + (size_t)x, coloured);
         memset(measures, 0, sizeof of->measures[at]);
         if (largest > 0)
             measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n_a);
-        if ((largest > 0 || !of->alike) && of->sight.has_white)
+        if (coloured)
             compare_colours(of, seen.xyz, b, measures);
         of->black[at] = seen.black && is_black(b, n_b);
         map_pixel(of, at, largest);

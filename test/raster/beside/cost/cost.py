@@ -196,6 +196,9 @@ def odd_scenes(scene):
     check("check               none" in said and "checked (" not in said and report["opengl_seconds"] is None,
           "phong shading is measured by the reference alone", said)
     refuses("a scene without light", "no light shines at the wavelengths", "cost", write("dark.scene", re.sub("light .*\n", "", SCENE)), "-q")
+    said, report = cost("patches", "--size=12x8", "--samples=8")
+    check("samples of a pixel  not known: there is nothing finer\n" in said and report["positions"]["before"] is None,
+          "more samples than 16 x 16 cannot be tried, and the answer says so", said)
     refuses("a camera", "no tristimulus values", "cost", scene, "--detector", "dcs200-camera")
     _, report = cost("room", "--size=12x8")
     check(not any(not row["spectra"] for row in report["samplings"]) and len(report["notes"]) == 3,
@@ -205,7 +208,7 @@ def odd_scenes(scene):
 # ---- programs, as seen from outside ----
 
 def descendants(pid):
-    """Command lines of the processes below one, and the files of their programs."""
+    """Command lines of the processes below one, the files of their programs, and whether a variable of llvmpipe was handed to them."""
     found = set()
     try:
         with open(f"/proc/{pid}/task/{pid}/children", encoding="utf-8") as file:
@@ -215,8 +218,8 @@ def descendants(pid):
     for child in children:
         found |= descendants(child)
         try:
-            with open(f"/proc/{child}/cmdline", encoding="utf-8") as file:
-                found.add((os.readlink(f"/proc/{child}/exe"), tuple(file.read().split("\0")[:-1])))
+            with open(f"/proc/{child}/cmdline", encoding="utf-8") as file, open(f"/proc/{child}/environ", "rb") as given:
+                found.add((os.readlink(f"/proc/{child}/exe"), tuple(file.read().split("\0")[:-1]), b"LP_NUM_THREADS=" in given.read()))
         except OSError:
             pass
     return found
@@ -234,8 +237,9 @@ def programs():
         time.sleep(0.002)
     said = process.communicate()[1]
     check(process.returncode == 0 and re.fullmatch(r"about [\d.e+]+ s\n", said), "cost says how long it will take", process.returncode, said)
-    check({file for file, _ in seen} == {os.path.realpath(SPECTRAL)}, "no other program runs", *{file for file, _ in seen})
-    lines = [words for _, words in seen if words[1:2] == ("render",)]
+    check({file for file, _, _ in seen} == {os.path.realpath(SPECTRAL)}, "no other program runs", *{file for file, _, _ in seen})
+    lines = [words for _, words, _ in seen if words[1:2] == ("render",)]
+    check(not any(set_before for _, words, set_before in seen if words[1:2] == ("render",)), "renders choose their threads as a user's do")
     check(lines and all(words[0] == name and words[2:4] == ("--size=60x40", "--light=1=a") and "--memory=900" in words
                         and words[-2:] == ("--", "patches") for words in lines),
           "renders are command lines of the program, with all that the user gave", *lines[:3])
