@@ -211,7 +211,8 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     struct word cell, first = {.length = 0};
     struct meaning meaning;
     const bool fits = line->n_columns <= n_columns, leads = line->says & SAYS_WAVELENGTH;
-    for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
+    bool more = line->n_cells > 0 && wavelength_cell(&rest, &cell);
+    for (int k = 0; more; more = line_cell(&rest, &cell), k++) {
         first = k == 0 ? cell : first;
         heading_read(&cell, &meaning);
         const bool of_wavelengths = fits ? k == 0 : leads;
@@ -219,7 +220,7 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
         if (of_wavelengths && meaning.advice)
             return error_at(err, cell.place, "'%.*s' is no wavelength; wavelengths in nm are %s",
                             word_shown(&cell), cell.start, meaning.advice);
-        if (k == 0 || !fits)
+        if (k == 0 || k >= n_columns || !fits)
             continue;
         if (names && meaning.says & SAYS_WAVELENGTH && rest.separator != ' ')
             return leads
@@ -234,7 +235,7 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
         struct sample *sample = &table->sample[k - 1];
         if (meaning.says & (SAYS_PERCENT | SAYS_QUANTITY) && sample->says.length == 0)
             sample->says = cell;
-        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, false, err))
+        if (names && !table_add_name(table, k - 1, &cell, false, err))
             return false;
     }
     return true;
