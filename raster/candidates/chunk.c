@@ -436,20 +436,13 @@ static void chunk_free(struct chunk *chunk)
 
 /* ---- tiles ---- */
 
-/* A tile whose chunks are drawn. */
-struct drawn_tile {
-    struct tile *tile;
-    struct counter failures;
-};
-
 /* Draws a chunk of a tile: CHUNK_ROWS, fewer in the last one. Finds its candidates if the plan asks
  * for a check. A plan that neither checks nor stores the reference's pixels gets no picture: only
  * picture.at is set. Results do not depend on how a picture is cut into chunks. chunk_free accepts
  * what a failure left. */
 static void draw_chunk(void *context, int i)
 {
-    struct drawn_tile *drawn = context;
-    const struct tile *tile = drawn->tile;
+    struct tile *tile = context;
     const struct plan_options *options = &tile->lit->plan->options;
     const int above = i * CHUNK_ROWS, left = tile->at.height - above;
     struct chunk *out = &tile->chunks[i];
@@ -457,7 +450,7 @@ static void draw_chunk(void *context, int i)
                                              left < CHUNK_ROWS ? left : CHUNK_ROWS}}};
     if (((options->check || options->store_raster) && !draw_rows(tile->lit, out)) ||
         (options->check && !find_candidates(tile, out)))
-        counter_add(&drawn->failures, 1);
+        counter_add(&tile->failures, 1);
 }
 
 /* Memory grows with the triangles that lie upon each other: names the object that has the most. */
@@ -477,31 +470,21 @@ static bool tile_lacks_memory(const struct tile *tile, struct error *err)
                         tile->at.width, tile->at.height, object);
 }
 
-/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
-static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct error *err)
-{
-    const struct plan *plan = tile->lit->plan;
-    struct drawn_tile drawn = {tile, COUNTER};
-    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
-        return false;
-    threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
-    const bool done =
-        (drawn.failures.n == 0 || tile_lacks_memory(tile, err)) && work(context, tile, err);
-    for (int i = 0; i < tile->n_chunks; i++)
-        chunk_free(&tile->chunks[i]);
-    free(tile->chunks);
-    return done;
-}
-
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {
     const int n = plan_tiles(lit->plan, region);
     bool done = true;
     for (int i = 0; done && i < n; i++) {
-        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i)};
-        done = draw_tile(&tile, work, context, err);
+        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i), .failures = COUNTER};
+        tile.n_chunks = (tile.at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+        if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+            return false;
+        threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &tile);
+        done = (tile.failures.n == 0 || tile_lacks_memory(&tile, err)) && work(context, &tile, err);
+        for (int c = 0; c < tile.n_chunks; c++)
+            chunk_free(&tile.chunks[c]);
+        free(tile.chunks);
     }
     return done;
 }
