@@ -67,17 +67,6 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     return true;
 }
 
-/* The point of the pixel's triangle that is nearest to the pixel's centre: OpenGL may show a
- * triangle that only comes near it. */
-static void nearest_share(const double share[3], double out[3])
-{
-    double sum = 0;
-    for (int i = 0; i < 3; i++)
-        sum += out[i] = fmax(0, share[i]);
-    for (int i = 0; i < 3; i++)
-        out[i] /= sum;
-}
-
 /* Finds which of these lights do not reach a point of the pixel's triangle. */
 static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3], uint32_t lights)
 {
@@ -87,17 +76,21 @@ static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3]
 }
 
 /* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count
- * otherwise: an edge of it is near, or lies between the triangle and a centre beside it. */
+ * otherwise: an edge of it is near, or lies between the triangle and a centre beside it. OpenGL may
+ * show a triangle that only comes near the centre, so that its nearest point counts, too. */
 static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragment *fragment,
                           uint32_t *in_doubt)
 {
     const uint32_t shadowed = lights_weighed(&pixel->lit->plan->view, pixel->surface->instance,
                                              pixel->attributes, 1),
                    asked = shadowed & ~fragment->in_doubt;
-    double share[3];
+    double nearest[3], sum = 0;
     *in_doubt = shadowed & fragment->in_doubt;
-    nearest_share(pixel->share, share);
-    const uint32_t near = dark_at(pixel, share, asked),
+    for (int i = 0; i < 3; i++)
+        sum += nearest[i] = fmax(0, pixel->share[i]);
+    for (int i = 0; i < 3; i++)
+        nearest[i] /= sum;
+    const uint32_t near = dark_at(pixel, nearest, asked),
                    centre = least_of(pixel->share) < 0 ? dark_at(pixel, pixel->share, asked) : near;
     *in_doubt |= near ^ centre;
     return near & centre;
@@ -289,7 +282,6 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
             struct fragment fragment = bounding->fragments.fragments[f];
             fragment.loose = fragment.loose || slivers;
             fragment.depth_error = slivers ? HUGE_VAL : fragment.depth_error;
-
             ambiguous->may_vanish = ambiguous->may_vanish ||
                                     (fragment.vanishes && is_shown(bounding, &fragment, index));
             if ((fragment.sliver || !slivers) && !add_candidates(bounding, &fragment, x, y))

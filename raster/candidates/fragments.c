@@ -12,8 +12,8 @@
 /* A triangle at a pixel centre. */
 struct visit {
     struct fragments *of;
-    const struct volume *volume; /* of whose triangles number `facet` is a part; NULL: of none */
-    int facet;
+    const struct volume *volume; /* a facet of this shadow volume; NULL: of an object */
+    int facet;                   /* its number in the volume */
     int32_t triangle;
     bool any; /* some pixel's list has it */
     struct fragment_list *pixel;

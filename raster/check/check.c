@@ -4,7 +4,6 @@
  * possible, and OpenGL's radiance must be that of this one triangle: in each band within the band's
  * bound, and in all bands together with one set of weights. */
 #include <math.h>
-#include <string.h>
 
 #include "raster/check/inside.h"
 
