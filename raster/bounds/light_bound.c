@@ -37,10 +37,8 @@ double distance_from_rigid(const struct matrix *m)
             dots[i][j] = 0;
             for (int k = 0; k < 3; k++)
                 dots[i][j] += m->row[k][i] * m->row[k][j];
-        }
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
             distance = fmax(distance, fabs(dots[i][j] - (i == j) * dots[0][0]));
+        }
     if (fabs(dots[0][0] - 1) < 4e-6) /* Mesa may leave out a scale that is so near 1 */
         distance = fmax(distance, fabs(dots[0][0] - 1));
     return distance < 4e-6 ? 3 * distance / dots[0][0] : 0;
@@ -68,12 +66,12 @@ struct vertex_view {
     const struct view *view;
     const struct instance *instance;
     const struct vertex *point;
-    const struct cofactors *cofactors; /* of model_view */
+    const struct surface_bounds *bounds;
     struct direction normal;
     struct vector eye;
-    double e_eye, e_rigid; /* e_eye: of the vertex's eye coordinates */
-    bool bounded;          /* whether bounds are wanted */
-    double errors;         /* struct driver: of lighting */
+    double e_eye;  /* of the vertex's eye coordinates */
+    bool bounded;  /* whether bounds are wanted */
+    double errors; /* struct driver: of lighting */
     struct light_work *work;
 };
 
@@ -94,7 +92,7 @@ static double turn_of(struct bounded length)
 static struct path path_to_light(const struct vertex_view *vertex, const struct eye_light *light)
 {
     struct incidence incidence = incidence_at(light, vertex->eye);
-    struct path path = {.towards = {incidence.towards, roundings(8) + vertex->e_rigid},
+    struct path path = {.towards = {incidence.towards, roundings(8) + vertex->bounds->e_rigid},
                         .divisor = incidence.divisor};
     if (light->directional)
         return path;
@@ -134,7 +132,7 @@ static bool is_square(const struct vertex_view *vertex, struct vector towards)
     for (int i = 0; i < 9; i++)
         square = square && (l[i / 3] == 0 || n[i % 3] == 0 ||
                             (vertex->instance->model_view.row[i / 3][i % 3] == 0 &&
-                             vertex->cofactors->magnitude[i / 3][i % 3] == 0));
+                             vertex->bounds->cofactors.magnitude[i / 3][i % 3] == 0));
     return square;
 }
 
@@ -314,11 +312,10 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
     struct vertex_view vertex = {.view = view,
                                  .instance = of->instance,
                                  .point = point,
-                                 .cofactors = &bounds->cofactors,
+                                 .bounds = bounds,
                                  .normal = eye_normal(of->instance, bounds, point->normal),
                                  .eye = matrix_point(&of->instance->model_view, point->position),
                                  .e_eye = e_eye,
-                                 .e_rigid = bounds->e_rigid,
                                  .bounded = lit->plan->options.check,
                                  .errors = lit->driver->lighting,
                                  .work = work};

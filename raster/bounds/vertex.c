@@ -22,29 +22,21 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 
 /* ---- position ---- */
 
-/* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
-static double quotient_error(struct bounded a, struct bounded b)
-{
-    return (a.error + fabs(a.value / b.value) * b.error) / fabs(b.value);
-}
-
 /* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
  * picture; w comes in after 2 roundings. Where OpenGL draws a picture in tiles, each with a
  * projection that scales and shifts clip space, the shift adds w's error to those of x and y, at
  * most once. */
 struct slack clip_slack(const struct plan *plan, const double clip[4], const double e_clip[4])
 {
-    const struct bounded w = {clip[CLIP_W], e_clip[CLIP_W]};
-    const double shifted = plan->tiled ? w.error : 0;
-    double e[3]; /* of the quotients */
-    for (int i = 0; i < 3; i++) {
-        const struct bounded of = {clip[i], e_clip[i] + (i < CLIP_Z ? shifted : 0)};
-        e[i] = quotient_error(of, w);
-    }
+    const double w = clip[CLIP_W], e_w = e_clip[CLIP_W], shifted = plan->tiled ? e_w : 0;
+    /* (a + e) / (b + f) - a / b = (e - (a / b) f) / (b + f), to first order */
+    double e[3];
+    for (int i = 0; i < 3; i++)
+        e[i] = (e_clip[i] + (i < CLIP_Z ? shifted : 0) + fabs(clip[i] / w) * e_w) / fabs(w);
     return (struct slack){.px = fmax(0.5 * plan->view.width * (e[CLIP_X] + roundings(8)),
                                      0.5 * plan->view.height * (e[CLIP_Y] + roundings(8))),
                           .depth = 0.5 * e[CLIP_Z] + roundings(4),
-                          .w = w.error / w.value + roundings(2)};
+                          .w = e_w / w + roundings(2)};
 }
 
 /* In tiles w's roundings add to those of x and y, too. */

@@ -99,6 +99,7 @@ struct tile {
     struct rectangle at;
     struct chunk *chunks; /* from the top */
     int n_chunks;
+    struct counter failures; /* chunks that lacked memory; such a tile is not worked with */
 };
 /* Draws each tile of a region of the plan's picture, row by row, in chunks that the plan's threads
  * share; calls `work` with it, and frees it. Stops at the first failure. */

@@ -67,17 +67,6 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     return true;
 }
 
-/* The point of the pixel's triangle that is nearest to the pixel's centre: OpenGL may show a
- * triangle that only comes near it. */
-static void nearest_share(const double share[3], double out[3])
-{
-    double sum = 0;
-    for (int i = 0; i < 3; i++)
-        sum += out[i] = fmax(0, share[i]);
-    for (int i = 0; i < 3; i++)
-        out[i] /= sum;
-}
-
 /* Finds which of these lights do not reach a point of the pixel's triangle. */
 static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3], uint32_t lights)
 {
@@ -87,17 +76,21 @@ static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3]
 }
 
 /* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count
- * otherwise: an edge of it is near, or lies between the triangle and a centre beside it. */
+ * otherwise: an edge of it is near, or lies between the triangle and a centre beside it. OpenGL may
+ * show a triangle that only comes near the centre, so that its nearest point counts, too. */
 static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragment *fragment,
                           uint32_t *in_doubt)
 {
     const uint32_t shadowed = lights_weighed(&pixel->lit->plan->view, pixel->surface->instance,
                                              pixel->attributes, 1),
                    asked = shadowed & ~fragment->in_doubt;
-    double share[3];
+    double nearest[3], sum = 0;
     *in_doubt = shadowed & fragment->in_doubt;
-    nearest_share(pixel->share, share);
-    const uint32_t near = dark_at(pixel, share, asked),
+    for (int i = 0; i < 3; i++)
+        sum += nearest[i] = fmax(0, pixel->share[i]);
+    for (int i = 0; i < 3; i++)
+        nearest[i] /= sum;
+    const uint32_t near = dark_at(pixel, nearest, asked),
                    centre = least_of(pixel->share) < 0 ? dark_at(pixel, pixel->share, asked) : near;
     *in_doubt |= near ^ centre;
     return near & centre;
@@ -289,7 +282,6 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
             struct fragment fragment = bounding->fragments.fragments[f];
             fragment.loose = fragment.loose || slivers;
             fragment.depth_error = slivers ? HUGE_VAL : fragment.depth_error;
-
             ambiguous->may_vanish = ambiguous->may_vanish ||
                                     (fragment.vanishes && is_shown(bounding, &fragment, index));
             if ((fragment.sliver || !slivers) && !add_candidates(bounding, &fragment, x, y))
@@ -436,20 +428,13 @@ static void chunk_free(struct chunk *chunk)
 
 /* ---- tiles ---- */
 
-/* A tile whose chunks are drawn. */
-struct drawn_tile {
-    struct tile *tile;
-    struct counter failures;
-};
-
 /* Draws a chunk of a tile: CHUNK_ROWS, fewer in the last one. Finds its candidates if the plan asks
  * for a check. A plan that neither checks nor stores the reference's pixels gets no picture: only
  * picture.at is set. Results do not depend on how a picture is cut into chunks. chunk_free accepts
  * what a failure left. */
 static void draw_chunk(void *context, int i)
 {
-    struct drawn_tile *drawn = context;
-    const struct tile *tile = drawn->tile;
+    struct tile *tile = context;
     const struct plan_options *options = &tile->lit->plan->options;
     const int above = i * CHUNK_ROWS, left = tile->at.height - above;
     struct chunk *out = &tile->chunks[i];
@@ -457,7 +442,7 @@ static void draw_chunk(void *context, int i)
                                              left < CHUNK_ROWS ? left : CHUNK_ROWS}}};
     if (((options->check || options->store_raster) && !draw_rows(tile->lit, out)) ||
         (options->check && !find_candidates(tile, out)))
-        counter_add(&drawn->failures, 1);
+        counter_add(&tile->failures, 1);
 }
 
 /* Memory grows with the triangles that lie upon each other: names the object that has the most. */
@@ -477,31 +462,21 @@ static bool tile_lacks_memory(const struct tile *tile, struct error *err)
                         tile->at.width, tile->at.height, object);
 }
 
-/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
-static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct error *err)
-{
-    const struct plan *plan = tile->lit->plan;
-    struct drawn_tile drawn = {tile, COUNTER};
-    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
-        return false;
-    threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
-    const bool done =
-        (drawn.failures.n == 0 || tile_lacks_memory(tile, err)) && work(context, tile, err);
-    for (int i = 0; i < tile->n_chunks; i++)
-        chunk_free(&tile->chunks[i]);
-    free(tile->chunks);
-    return done;
-}
-
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {
     const int n = plan_tiles(lit->plan, region);
     bool done = true;
     for (int i = 0; done && i < n; i++) {
-        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i)};
-        done = draw_tile(&tile, work, context, err);
+        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i), .failures = COUNTER};
+        tile.n_chunks = (tile.at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+        if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+            return false;
+        threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &tile);
+        done = (tile.failures.n == 0 || tile_lacks_memory(&tile, err)) && work(context, &tile, err);
+        for (int c = 0; c < tile.n_chunks; c++)
+            chunk_free(&tile.chunks[c]);
+        free(tile.chunks);
     }
     return done;
 }

@@ -12,6 +12,8 @@
 /* A triangle at a pixel centre. */
 struct visit {
     struct fragments *of;
+    const struct volume *volume; /* a facet of this shadow volume; NULL: of an object */
+    int facet;                   /* its number in the volume */
     int32_t triangle;
     bool any; /* some pixel's list has it */
     struct fragment_list *pixel;
@@ -44,25 +46,19 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
     }
 }
 
-/* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
- * edges no longer than that may run in any direction, and do not exclude it. */
-static bool is_beside_box(const struct screen_triangle *screen, const double most[2], double px,
-                          double py)
-{
-    return least_of(screen->x) - most[0] > px || px > most_of(screen->x) + most[0] ||
-           least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
-}
-
-/* Finds the edge functions at a point, unless it lies beside the box, and the presence there.
- * turned: the corners are turned so that edge functions are positive inside. A triangle without
- * area touches its longest edge only. */
+/* Finds the edge functions at a point, and the presence there; or that the point lies beside the
+ * box around the triangle: edges no longer than their errors may run in any direction, and do not
+ * exclude it. turned: the corners are turned so that edge functions are positive inside. A triangle
+ * without area touches its longest edge only. */
 static enum presence presence_at(const struct screen_triangle *screen,
                                  const struct edge_errors *errors, bool turned, double px,
                                  double py, struct edge_functions *edges)
 {
     enum presence presence = DEFINITE;
+    const double *most = errors->most;
     double slack[3];
-    if (is_beside_box(screen, errors->most, px, py))
+    if (least_of(screen->x) - most[0] > px || px > most_of(screen->x) + most[0] ||
+        least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1])
         return IMPOSSIBLE;
     edges_at(screen->x, screen->y, px, py, edges);
     edge_slack(edges, errors->px, slack);
@@ -111,13 +107,13 @@ static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
 }
 
 /* Adds a possible or definite fragment to a pixel's list. */
-static bool add_fragment(struct visit *visit, const struct fragment *fragment, bool definite)
+static bool add_fragment(struct visit *visit, const struct fragment *fragment)
 {
     struct fragments *of = visit->of;
     struct fragment_list *pixel = visit->pixel;
     if (fragment->depth - fragment->depth_error > pixel->limit)
         return true;
-    if (definite && fragment->depth + fragment->depth_error < pixel->limit) {
+    if (fragment->is_definite && fragment->depth + fragment->depth_error < pixel->limit) {
         pixel->limit = fragment->depth + fragment->depth_error;
         drop_hidden(of, pixel);
     }
@@ -130,7 +126,6 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
         place = (int32_t)of->n_fragments++;
     }
     of->fragments[place] = *fragment;
-    of->fragments[place].is_definite = definite;
     of->fragments[place].next = pixel->head;
     pixel->head = place;
     visit->any = true;
@@ -190,9 +185,11 @@ bool is_closed(const struct seam *seam)
 
 /* ---- clipped triangles ---- */
 
-/* Adds a part to the lists of triangles, behind the last one. */
-static bool add_part(struct fragments *of, const struct triangle_part *part)
+/* Adds a part to the lists of triangles, behind the last one, and visits its pixels. */
+static bool visit_part(struct visit *visit, const struct triangle_part *part,
+                       bool (*at_pixel)(void *context, int x, int y))
 {
+    struct fragments *of = visit->of;
     size_t n_clipped = (size_t)(part->bounded.n_clipped + part->bounded.n_slivers);
     if (!array_grow(&of->triangles, of->n_triangles, 1, sizeof *of->triangles) ||
         !array_grow(&of->clipped, of->n_clipped, n_clipped, sizeof *of->clipped))
@@ -201,7 +198,8 @@ static bool add_part(struct fragments *of, const struct triangle_part *part)
     *triangle = part->bounded;
     triangle->first_clipped = (int32_t)of->n_clipped;
     memcpy(of->clipped + of->n_clipped, part->clipped, n_clipped * sizeof *of->clipped);
-    return true;
+    visit->triangle = (int32_t)of->n_triangles;
+    return scan_triangle(&triangle->screen, &of->rows, triangle->edges.most[0], at_pixel, visit);
 }
 
 /* True if OpenGL may set up one of these clipped triangles turned around: it then lies upon its
@@ -281,10 +279,29 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 
 /* ---- triangles ---- */
 
-/* A fragment that OpenGL has, or may have. */
-static bool judge_fragment(struct visit *visit, enum presence presence, unsigned clipped)
+/* Goes to a pixel. Returns the clipped triangles that OpenGL may have there; 0: it has none. */
+static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence)
 {
     const struct bounded_triangle *triangle = visited(visit);
+    const struct rectangle *rows = &visit->of->rows;
+    visit->x = x + 0.5;
+    visit->y = y + 0.5;
+    visit->pixel =
+        &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
+    *presence =
+        presence_at(&triangle->screen, &triangle->edges, true, visit->x, visit->y, &visit->edges);
+    return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
+}
+
+/* Counts and lists the fragment that OpenGL has there, or may have. */
+static bool visit_pixel(void *context, int x, int y)
+{
+    struct visit *visit = context;
+    const struct bounded_triangle *triangle = visited(visit);
+    enum presence presence;
+    const unsigned clipped = go_to(visit, x, y, &presence);
+    if (clipped == 0)
+        return true;
     struct fragment fragment = {.triangle = visit->triangle,
                                 .clipped = clipped,
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
@@ -310,31 +327,10 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         presence = POSSIBLE;
         visit->pixel->seam.open = true;
     }
+    fragment.is_definite = presence == DEFINITE;
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
-           add_fragment(visit, &fragment, presence == DEFINITE);
-}
-
-/* Goes to a pixel. Returns the clipped triangles that OpenGL may have there; 0: it has none. */
-static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct rectangle *rows = &visit->of->rows;
-    visit->x = x + 0.5;
-    visit->y = y + 0.5;
-    visit->pixel =
-        &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
-    *presence =
-        presence_at(&triangle->screen, &triangle->edges, true, visit->x, visit->y, &visit->edges);
-    return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
-}
-
-static bool visit_pixel(void *context, int x, int y)
-{
-    struct visit *visit = context;
-    enum presence presence;
-    const unsigned clipped = go_to(visit, x, y, &presence);
-    return clipped == 0 || judge_fragment(visit, presence, clipped);
+           add_fragment(visit, &fragment);
 }
 
 /* Triangles that no list has are forgotten at once: there may be a million to a pixel. */
@@ -344,9 +340,8 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     int n = triangle_parts(of->tile, surface, triangle, &of->rows, parts);
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
-        struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
-        if (!add_part(of, &parts[i]) || !scan_triangle(&bounded->screen, &of->rows,
-                                                       bounded->edges.most[0], visit_pixel, &visit))
+        struct visit visit = {.of = of};
+        if (!visit_part(&visit, &parts[i], visit_pixel))
             return false;
         of->n_triangles += visit.any;
         of->n_clipped += visit.any ? (size_t)(bounded->n_clipped + bounded->n_slivers) : 0;
@@ -355,13 +350,6 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
 }
 
 /* ---- shadows ---- */
-
-/* A triangle of a shadow volume at pixels. */
-struct facet_visit {
-    struct visit visit; /* the first member */
-    const struct volume *volume;
-    int facet;
-};
 
 bool share_corner(const struct surface *a, int32_t of_a, const struct surface *b, int32_t of_b)
 {
@@ -373,28 +361,23 @@ bool share_corner(const struct surface *a, int32_t of_a, const struct surface *b
     return false;
 }
 
-/* Returns whether two instances are one, or are drawn by the same numbers. */
-static bool is_twin(const struct instance *a, const struct instance *b)
-{
-    return a->triangles == b->triangles &&
-           memcmp(&a->model_view, &b->model_view, sizeof a->model_view) == 0;
-}
-
-/* Returns whether a facet is the cap that a fragment's triangle is itself, and has its depth; or
- * the cap of a neighbour that has the pixel only where the fragment's triangle has not. */
-static bool is_own_cap(const struct facet_visit *facet, const struct bounded_triangle *triangle,
+/* Returns whether a facet is the cap that a fragment's triangle is itself, by the same numbers,
+ * and has its depth; or the cap of a neighbour that has the pixel only where the fragment's
+ * triangle has not. */
+static bool is_own_cap(const struct visit *visit, const struct bounded_triangle *triangle,
                        enum presence presence)
 {
-    const struct lit_scene *lit = facet->visit.of->tile->lit;
-    const struct occluder *cap = &facet->volume->caps[facet->facet];
+    const struct lit_scene *lit = visit->of->tile->lit;
+    const struct occluder *cap = &visit->volume->caps[visit->facet];
     if (cap->surface < 0)
         return false;
     const struct surface *surface = &lit->surfaces[cap->surface];
-    if (cap->triangle == triangle->screen.triangle &&
-        is_twin(surface->instance, triangle->screen.surface->instance))
+    const struct instance *a = surface->instance, *b = triangle->screen.surface->instance;
+    if (cap->triangle == triangle->screen.triangle && a->triangles == b->triangles &&
+        memcmp(&a->model_view, &b->model_view, sizeof a->model_view) == 0)
         return true;
     return presence == POSSIBLE && lit->driver->watertight &&
-           triangle->screen.clockwise == visited(&facet->visit)->screen.clockwise &&
+           triangle->screen.clockwise == visited(visit)->screen.clockwise &&
            share_corner(surface, cap->triangle, triangle->screen.surface,
                         triangle->screen.triangle);
 }
@@ -405,24 +388,15 @@ static bool is_far(const struct volume *volume, int facet)
     return facet >= volume->first_far && facet < volume->n_outward;
 }
 
-/* Returns whether a facet lies beyond the far plane for sure: clamped to it, it is behind all. */
-static bool is_behind_all(const struct volume *volume, int facet,
-                          const struct bounded_triangle *triangle)
-{
-    return is_far(volume, facet) && !volume->is_doubtful &&
-           least_of(triangle->screen.z) > 1 + triangle->depth_error;
-}
-
 /* Returns whether a facet meets others at a pixel so that OpenGL may have none of them there, or
  * two. Where the far plane cuts a cap, the edges of its two parts are not those of its sides; and
  * at the plane OpenGL may have the cap, its part beyond, both, or none. farthest: its depth there.
  */
-static bool facet_leaks(const struct facet_visit *facet, enum presence presence, double farthest)
+static bool facet_leaks(const struct visit *visit, enum presence presence, double farthest)
 {
-    const struct visit *visit = &facet->visit;
-    const struct volume *volume = facet->volume;
-    const bool is_cap = volume->caps[facet->facet].surface >= 0,
-               is_beyond = facet->facet >= volume->first_beyond && facet->facet < volume->first_far,
+    const struct volume *volume = visit->volume;
+    const bool is_cap = volume->caps[visit->facet].surface >= 0,
+               is_beyond = visit->facet >= volume->first_beyond && visit->facet < volume->first_far,
                is_part = visited(visit)->cut || is_beyond;
     if ((is_part && presence == POSSIBLE) || (is_cap && farthest >= 1))
         return true;
@@ -434,8 +408,7 @@ static bool facet_leaks(const struct facet_visit *facet, enum presence presence,
  * a shadow by the number of facets behind it, and in doubt if these may leak. */
 static bool visit_facet(void *context, int x, int y)
 {
-    struct facet_visit *facet = context;
-    struct visit *visit = &facet->visit;
+    struct visit *visit = context;
     struct fragments *of = visit->of;
     const struct bounded_triangle *triangle = visited(visit);
     enum presence presence;
@@ -444,21 +417,22 @@ static bool visit_facet(void *context, int x, int y)
     if (clipped == 0)
         return true;
     is_loose(visit, clipped, &thin);
-    const bool may_end = facet->volume->is_doubtful && is_far(facet->volume, facet->facet);
+    const bool may_end = visit->volume->is_doubtful && is_far(visit->volume, visit->facet);
     const double depth = depth_at(&triangle->screen, &visit->edges),
                  error = thin || may_end ? HUGE_VAL : triangle->depth_error;
-    const bool leaks = facet_leaks(facet, presence, depth + triangle->depth_error);
+    const bool leaks = facet_leaks(visit, presence, depth + triangle->depth_error);
     for (int32_t f = visit->pixel->head; f >= 0; f = of->fragments[f].next) {
         struct fragment *fragment = &of->fragments[f];
         const double behind = depth - fragment->depth, either = error + fragment->depth_error;
         const bool meets = presence == POSSIBLE && !fragment->is_definite;
         if ((fabs(behind) <= either || meets || (leaks && behind > -either)) &&
-            (leaks || !is_own_cap(facet, &of->triangles[fragment->triangle], presence)))
-            fragment->in_doubt |= (uint32_t)1 << facet->volume->shadowed;
+            (leaks || !is_own_cap(visit, &of->triangles[fragment->triangle], presence)))
+            fragment->in_doubt |= (uint32_t)1 << visit->volume->shadowed;
     }
     return true;
 }
 
+/* The far end that lies beyond the far plane for sure is clamped to it, behind all. */
 static bool visit_volume(struct fragments *of, const struct tile *tile, int index)
 {
     const struct volume *volume = &of->tile->lit->volumes->list[index];
@@ -470,13 +444,12 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
         const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
                                      is_cut ? cap->triangle : t, &of->rows, parts);
         for (int i = 0; i < n; i++) {
-            struct facet_visit facet = {
-                {.of = of, .triangle = (int32_t)of->n_triangles}, volume, t};
-            if (watertight && is_behind_all(volume, t, &parts[i].bounded))
+            const struct bounded_triangle *bounded = &parts[i].bounded;
+            struct visit visit = {.of = of, .volume = volume, .facet = t};
+            if (watertight && is_far(volume, t) && !volume->is_doubtful &&
+                least_of(bounded->screen.z) > 1 + bounded->depth_error)
                 continue;
-            if (!add_part(of, &parts[i]) ||
-                !scan_triangle(&parts[i].bounded.screen, &of->rows, parts[i].bounded.edges.most[0],
-                               visit_facet, &facet))
+            if (!visit_part(&visit, &parts[i], visit_facet))
                 return false;
         }
     }

@@ -147,7 +147,7 @@ struct bounded_pixel {
     uint32_t dark;                 /* bit i: light i of those with shadows does not reach it */
     double share[3];               /* barycentric coordinates */
     double brightest;              /* shaded_brightest */
-    double rounding;               /* colour_rounding */
+    double rounding;               /* of a colour, relative to it */
     double *attributes;            /* these five arrays have room for any surface */
     float *common, *interpolation; /* errors that bands have in common; their second part */
     float *own, *slopes;           /* of a band by itself; change within a pixel's width */

@@ -104,14 +104,6 @@ static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_tr
     }
 }
 
-/* True if the attribute is a weight that several groups of lights add to. */
-static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
-{
-    const struct instance *instance = pixel->surface->instance;
-    return pixel->lit->plan->n_light_groups > 1 && attribute < (size_t)instance->n_terms &&
-           instance->terms[attribute].reflection != CONSTANT;
-}
-
 /* The largest error of an attribute at the vertices of the triangle. */
 static double vertex_error(const struct bounded_pixel *pixel, size_t attribute)
 {
@@ -127,6 +119,7 @@ static double vertex_error(const struct bounded_pixel *pixel, size_t attribute)
 static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
                                          const struct clipped_triangle *clipped, size_t attribute)
 {
+    const struct instance *instance = pixel->surface->instance;
     const struct corner_values values = cut_values(pixel, clipped, attribute, NULL);
     const double magnification = clipped->magnification;
     const double e_vertex = vertex_error(pixel, attribute),
@@ -134,10 +127,12 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = most_of(values.at) - least_of(values.at)};
     struct colour_bound bound = bound_colour(clipped, values.at);
-    if (is_grouped(pixel, attribute))
-        add_groups(pixel, clipped, attribute, &bound);
-    if (attribute < (size_t)pixel->surface->instance->n_terms)
+    if (attribute < (size_t)instance->n_terms) { /* a weight */
+        if (pixel->lit->plan->n_light_groups > 1 &&
+            instance->terms[attribute].reflection != CONSTANT)
+            add_groups(pixel, clipped, attribute, &bound);
         add_jumps(pixel, clipped, attribute, &bound);
+    }
     bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
     bound.fixed *= magnification;
     bound.per_d *= magnification;
@@ -146,24 +141,17 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
     return bound;
 }
 
-/* Returns the bounds of all attributes in clipped triangle `index` of the pixel's triangle. */
-static const struct colour_bound *attribute_bounds(struct bounded_pixel *pixel, int32_t index)
+/* Raises the interpolation's errors and the slopes to those of clipped triangle `index` of the
+ * pixel's triangle. */
+static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inverse_w)
 {
-    size_t at = (size_t)(pixel->triangle->first_clipped + index);
+    const size_t at = (size_t)(pixel->triangle->first_clipped + index);
+    const struct colour_bound *of_d = &pixel->fragments->clipped[at].inverse_w_bound;
     struct colour_bound *bounds = pixel->bounds + at * pixel->max_attributes;
     for (size_t a = 0; a < (size_t)pixel->surface->n_attributes && !pixel->bounded[at]; a++)
         if (!is_flat(pixel, a)) /* the bounds of others are 0 */
             bounds[a] = clipped_bound(pixel, &pixel->fragments->clipped[at], a);
     pixel->bounded[at] = true;
-    return bounds;
-}
-
-/* Raises the interpolation's errors and the slopes to those of one clipped triangle. */
-static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inverse_w)
-{
-    const struct colour_bound *of_d =
-        &pixel->fragments->clipped[pixel->triangle->first_clipped + index].inverse_w_bound;
-    const struct colour_bound *bounds = attribute_bounds(pixel, index);
     /* a fragment is loose if 1 / w may not be positive */
     double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
     float over = least > 0 ? (float)(1 / least) : 0, d = (float)inverse_w;
@@ -191,18 +179,11 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, unsigned c
         pixel->common[a] += pixel->interpolation[a];
 }
 
-/* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a
- * texture's value and its product (2); two more for the arithmetic of the bound itself. Materials
- * are white, so that their products are exact. Each colour and each pass that is added rounds once.
- */
-static double colour_rounding(const struct bounded_pixel *pixel)
-{
-    return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
-                     pixel->lit->plan->n_light_groups);
-}
-
 /* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
- * called rarely. */
+ * called rarely. Roundings of a colour: its spectrum in single precision (1), weight times spectrum
+ * (1), and a texture's value and its product (2); two more for the arithmetic of the bound itself.
+ * Materials are white, so that their products are exact. Each colour and each pass that is added
+ * rounds once. */
 static void take_triangle(struct bounded_pixel *pixel, const struct bounded_triangle *triangle)
 {
     const struct screen_triangle *screen = &triangle->screen;
@@ -216,7 +197,8 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
-    pixel->rounding = colour_rounding(pixel);
+    pixel->rounding = roundings(4 + 2 * surface->instance->textured + pixel->shaded->n_colours +
+                                pixel->lit->plan->n_light_groups);
     /* a flat triangle has one vertex that counts, taken for its first */
     const bool flat = pixel->flat;
     pixel->n_gated = 0;

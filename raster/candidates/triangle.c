@@ -166,13 +166,6 @@ static bool is_one_point(const struct polygon *polygon, int i)
            fabs(at.y[0] * GRID - nearbyint(at.y[0] * GRID)) < 0.5 - slack;
 }
 
-/* True if two corners lie at the same distance from a side of the tile in the same depth. */
-static bool same_distance(const struct clip_plane *side, const double a[4], const double b[4])
-{
-    const int axis = side->normal[CLIP_X] != 0 ? CLIP_X : CLIP_Y;
-    return a[axis] == b[axis] && a[CLIP_W] == b[CLIP_W];
-}
-
 /* A corner that lies on a side of the tile, within its error, may be cut off by OpenGL or not. What
  * is cut off is smaller than a rounding, and planes stay what they are; so it is kept, and the side
  * moved outwards by the largest such error. But the polygon's fan may then have other triangles.
@@ -189,6 +182,7 @@ static void keep_doubtful(struct polygon *polygon, struct clip_plane *side)
     const double unit =
         roundings(0.5) * fmin(1.0 * at->width / view->width, 1.0 * at->height / view->height);
     const double half_pixel = 1.0 / (view->width > view->height ? view->width : view->height);
+    const int axis = side->normal[CLIP_X] != 0 ? CLIP_X : CLIP_Y;
     double deepest = 0, rounding;
     const double *before = NULL; /* the corner before, where it is in doubt */
     for (int i = 0; i <= polygon->n && polygon->n > 0; i++) {
@@ -200,7 +194,7 @@ static void keep_doubtful(struct polygon *polygon, struct clip_plane *side)
             deepest = fmax(deepest, away.error);
             polygon->slivers = polygon->slivers || !is_one_point(polygon, c);
         }
-        if (doubtful && before && !same_distance(side, clip, before))
+        if (doubtful && before && (clip[axis] != before[axis] || clip[CLIP_W] != before[CLIP_W]))
             polygon->least_part = fmin(polygon->least_part, unit * clip[CLIP_W] / (2 * deepest));
         before = doubtful ? clip : NULL;
     }
@@ -318,40 +312,30 @@ static void widen(struct slack *to, struct slack by)
 
 /* ---- triangles that OpenGL sets up ---- */
 
-/* OpenGL's origin may be the tile's upper or its lower left corner, of a driver that is not known
- * any corner. A pixel lies beside the triangle by less than 1. */
-static void set_reach(const struct tile *tile, struct clipped_triangle *out)
-{
-    const struct rectangle *at = &tile->at;
-    double right = most_of(out->screen.x) - at->x, below = most_of(out->screen.y) - at->y,
-           above = at->y + at->height - least_of(out->screen.y),
-           left = tile->lit->driver->left_origin ? 0 : at->x + at->width - least_of(out->screen.x);
-    out->reach_x = fmin(fmax(right, left), at->width) + 1;
-    out->reach_y = fmin(fmax(below, above), at->height) + 1;
-}
-
-/* The error with which OpenGL follows an edge in a tile. */
-static double tile_edge_error(const struct tile *tile)
-{
-    return edge_error(tile->lit->driver, tile->at.width, tile->at.height);
-}
-
 static void set_edge_error(struct edge_errors *out, int corner, int axis, double px)
 {
     out->px[corner][axis] = px;
     out->most[axis] = fmax(out->most[axis], px);
 }
 
+/* Sets up a triangle. OpenGL's origin may be the tile's upper or its lower left corner, of a driver
+ * that is not known any corner. A pixel lies beside the triangle by less than 1. */
 static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
                                        const double slack_px[3], double moved[3][2],
                                        double least_part)
 {
     const struct driver *driver = tile->lit->driver;
+    const struct rectangle *at = &tile->at;
+    const double right = most_of(from->screen.x) - at->x, below = most_of(from->screen.y) - at->y,
+                 above = at->y + at->height - least_of(from->screen.y),
+                 left = driver->left_origin ? 0 : at->x + at->width - least_of(from->screen.x);
     struct clipped_triangle out = {.screen = from->screen,
-                                   .grid_px = tile_edge_error(tile),
+                                   .grid_px = edge_error(driver, at->width, at->height),
                                    .value_roundings = driver->value_roundings,
                                    .slack = from->slack,
-                                   .least_part = least_part};
+                                   .least_part = least_part,
+                                   .reach_x = fmin(fmax(right, left), at->width) + 1,
+                                   .reach_y = fmin(fmax(below, above), at->height) + 1};
     for (int i = 0; i < 3; i++) {
         out.slack_px[i] = slack_px[i] + driver->corner_px;
         for (int axis = 0; axis < 2; axis++) {
@@ -359,7 +343,6 @@ static struct clipped_triangle clipped(const struct tile *tile, const struct bou
             set_edge_error(&out.edges, i, axis, out.moved_px[i][axis] + out.grid_px);
         }
     }
-    set_reach(tile, &out);
     bound_inverse_w(&out);
     return out;
 }
@@ -446,11 +429,12 @@ static void set_edge_errors(const struct tile *tile, struct bounded_triangle *tr
     const struct lit_scene *lit = tile->lit;
     /* all corners lie on the driver's grid, without any error; those of cuts do not */
     bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    const double grid_px = edge_error(lit->driver, tile->at.width, tile->at.height);
     double e[3];
     for (int i = 0; i < 3; i++)
         exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
     for (int i = 0; i < 3; i++) {
-        e[i] = exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
+        e[i] = exact ? 0 : corner_slack_px(tile, triangle, i) + grid_px;
         set_edge_error(&triangle->edges, i, 0, e[i]);
         set_edge_error(&triangle->edges, i, 1, e[i]);
     }

@@ -4,7 +4,6 @@
  * possible, and OpenGL's radiance must be that of this one triangle: in each band within the band's
  * bound, and in all bands together with one set of weights. */
 #include <math.h>
-#include <string.h>
 
 #include "raster/check/inside.h"
 
@@ -29,24 +28,12 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 
 /* ---- samples ---- */
 
-/* Evaluates a run into expected and bound. The cleared background, a run without a material, is
- * exactly 0; so is a run without errors, whose material has no terms. */
-static void expect(const struct check *check, const struct run *run, int band, struct block *block)
-{
-    if (run->shaded && run->errors) {
-        expect_counts(check->scene->lit, run, band, block->expected, block->bound);
-        return;
-    }
-    memset(block->expected, 0, block->n * sizeof *block->expected);
-    memset(block->bound, 0, block->n * sizeof *block->bound);
-}
-
 /* Learns what a pilot band says of the weights of a run. */
 static void learn(const struct check *check, const struct run *run, int band, struct block *block,
                   float *estimates)
 {
     double difference[BLOCK];
-    expect(check, run, band, block);
+    expect_counts(check->scene->lit, run, band, block->expected, block->bound);
     for (size_t i = 0; i < block->n; i++)
         difference[i] = (double)block->seen[i] * FULL_COUNT - block->expected[i];
     if (run->shaded)
@@ -58,10 +45,9 @@ static void learn(const struct check *check, const struct run *run, int band, st
 static bool compare(const struct check *check, const struct run *run, int band,
                     const float *estimates, struct check_samples *samples, struct block *block)
 {
-    expect(check, run, band, block);
-    block->fitted =
-        run->shaded && run->errors &&
-        fit_explain(&check->scene->fit, run, band, estimates, block->bound, &block->fit);
+    expect_counts(check->scene->lit, run, band, block->expected, block->bound);
+    block->fitted = run->shaded && fit_explain(&check->scene->fit, run, band, estimates,
+                                               block->bound, &block->fit);
     for (size_t i = 0; i < block->n && !block->fitted; i++) {
         block->fit.explained[i] = 0;
         block->fit.limit[i] = block->fit.floor[i] = HUGE_VALF;
@@ -113,12 +99,6 @@ static struct run run_of(const struct check *check, size_t first, struct block *
                         .textured = block->textured};
 }
 
-static void learn_stretch(struct check *check, size_t first, int band, struct block *block)
-{
-    struct run run = run_of(check, first, block);
-    learn(check, &run, band, block, check->estimates + first);
-}
-
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
 static void raise_ratios(float *ratio, const struct block *block)
 {
@@ -158,18 +138,24 @@ static void find_limits(struct check *check)
     block.n = 1;
     const struct run run = run_of(check, pixel, &block);
     for (int band = 0; band < check->verdict.first.band; band++) {
-        expect(check, &run, band, &block);
+        expect_counts(check->scene->lit, &run, band, block.expected, block.bound);
         if (fit_explain(&check->scene->fit, &run, band, check->estimates + pixel, block.bound,
                         &block.fit))
             check->limits[band] = block.fit.limit[0];
     }
 }
 
-static void judge_stretch(struct check *check, size_t first, int band, struct block *block)
+/* Learns from a stretch of samples, or judges it. */
+static void treat_stretch(struct check *check, size_t first, int band, struct block *block,
+                          bool learns)
 {
     struct check_failure failure;
-    struct run run = run_of(check, first, block);
-    bool within =
+    const struct run run = run_of(check, first, block);
+    if (learns) {
+        learn(check, &run, band, block, check->estimates + first);
+        return;
+    }
+    const bool within =
         compare(check, &run, band, check->estimates + first, &check->verdict.samples, block);
     raise_floors(block, check->floor + first, check->band_floor + first);
     if (check->ratio)
@@ -182,40 +168,36 @@ static void judge_stretch(struct check *check, size_t first, int band, struct bl
 
 /* ---- ambiguous pixels ---- */
 
-static struct run candidate_run(const struct check *check, const struct candidate *candidate,
-                                struct block *block)
+/* Returns the candidate of a hypothesis; NULL: the background. */
+static const struct candidate *candidate_of(const struct chunk *chunk, size_t hypothesis)
+{
+    return hypothesis < chunk->n_candidates ? &chunk->candidates[hypothesis] : NULL;
+}
+
+/* Learns from a sample what a living hypothesis makes of it, or judges it. A candidate without a
+ * bound explains everything, NaN too. */
+static void try_hypothesis(struct check *check, size_t number, int band, float seen, bool learns)
 {
     const struct chunk *chunk = check->chunk;
-    return (struct run){.shaded = check->scene->lit->bounds[candidate->surface].shaded,
-                        .rows = chunk->candidate_rows + candidate->first,
-                        .errors = chunk->candidate_errors + candidate->first,
-                        .own = chunk->candidate_own + candidate->first,
-                        .stride = 1,
-                        .n = 1,
-                        .textured = block->textured};
-}
-
-static float *estimates_of(const struct check *check, const struct candidate *candidate)
-{
-    const size_t index = (size_t)(candidate - check->chunk->candidates);
-    return check->candidate_estimates + index * (size_t)fit_rows(check->scene->lit->plan);
-}
-
-/* candidate NULL stands for the background. A candidate without a bound explains everything, NaN
- * too. */
-static void try_candidate(struct check *check, const struct candidate *candidate,
-                          struct hypothesis *hypothesis, int band, float seen)
-{
+    const struct candidate *candidate = candidate_of(chunk, number);
+    struct hypothesis *hypothesis = &check->hypotheses[number];
     struct block single;
-    struct run run = {.n = 1};
-    const float *estimates = NULL;
+    struct run run = {.stride = 1, .n = 1, .textured = single.textured};
+    float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
     single.seen = &seen;
     if (candidate) {
-        run = candidate_run(check, candidate, &single);
-        estimates = estimates_of(check, candidate);
+        run.shaded = check->scene->lit->bounds[candidate->surface].shaded;
+        run.rows = chunk->candidate_rows + candidate->first;
+        run.errors = chunk->candidate_errors + candidate->first;
+        run.own = chunk->candidate_own + candidate->first;
+        estimates = check->candidate_estimates + number * (size_t)fit_rows(check->scene->lit->plan);
+    }
+    if (learns) {
+        learn(check, &run, band, &single, estimates);
+        return;
     }
     hypothesis->band = band;
     hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
@@ -229,28 +211,13 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     }
 }
 
-static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                            float seen)
+static void treat_ambiguous(struct check *check, size_t index, int band, float seen, bool learns)
 {
     const struct chunk *chunk = check->chunk;
-    const size_t index = (size_t)(pixel - chunk->ambiguous);
+    const struct ambiguous_pixel *pixel = &chunk->ambiguous[index];
     for (int c = pixel->first; c < pixel->first + pixel->count; c++)
-        try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
-    try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + index], band, seen);
-}
-
-static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                            float seen)
-{
-    const struct chunk *chunk = check->chunk;
-    struct block single;
-    single.n = 1;
-    single.seen = &seen;
-    for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
-        struct run run = candidate_run(check, &chunk->candidates[c], &single);
-        if (check->hypotheses[c].alive)
-            learn(check, &run, band, &single, estimates_of(check, &chunk->candidates[c]));
-    }
+        try_hypothesis(check, (size_t)c, band, seen, learns);
+    try_hypothesis(check, chunk->n_candidates + index, band, seen, learns);
 }
 
 /* Returns the hypothesis that explains best: the living one with the smallest ratio of error to
@@ -333,9 +300,7 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
     const size_t pixel = (size_t)ambiguous->pixel;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
         best = best_hypothesis(&check->hypotheses[c], best);
-    ptrdiff_t shown = best - check->hypotheses;
-    const struct candidate *candidate =
-        shown < (ptrdiff_t)chunk->n_candidates ? &chunk->candidates[shown] : NULL;
+    const struct candidate *candidate = candidate_of(chunk, (size_t)(best - check->hypotheses));
     /* the depth buffer may have lost the triangle that the reference shows */
     const bool lost = ambiguous->may_vanish && !candidate;
     struct check_samples samples = best->samples;
@@ -384,12 +349,15 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
     return inside;
 }
 
-/* Notes the floor of each pixel that shows an object and has a bound. */
-static void note_floors(struct check *check, const struct tile *tile)
+/* Counts the pixels that are not explained, and notes the floor of each one that shows an object
+ * and has a bound. */
+static void note_pixels(struct check *check, const struct tile *tile)
 {
     const struct chunk *chunk = check->chunk;
-    for (size_t i = 0; i < chunk_pixels(chunk); i++) {
-        double floor = (double)check->floor[i];
+    check->verdict.pixels = chunk_pixels(chunk);
+    for (size_t i = 0; i < check->verdict.pixels; i++) {
+        const double floor = (double)check->floor[i];
+        check->verdict.unexplained += check->failed[i];
         if (!(floor >= 0 && floor < HUGE_VAL))
             continue;
         floor_note(&check->verdict.floor, floor);
@@ -397,23 +365,6 @@ static void note_floors(struct check *check, const struct tile *tile)
         if (!chunk->is_ambiguous[i] && is_smooth(check, tile, i))
             floor_note(&check->verdict.smooth_floor, floor);
     }
-}
-
-static void settle_all(struct check *check, const struct tile *tile, struct check_totals *totals)
-{
-    const struct chunk *chunk = check->chunk;
-    const struct picture *picture = &chunk->picture;
-    for (size_t i = 0; i < chunk_pixels(chunk); i++) {
-        if (chunk->is_ambiguous[i])
-            continue;
-        if (picture->surface[i] < 0)
-            check->floor[i] = check->band_floor[i] = -1;
-        else
-            totals_note(totals, picture->surface[i], picture->triangle[i], (double)check->floor[i],
-                        &chunk->pixels[i].mean);
-    }
-    for (size_t i = 0; i < chunk->n_ambiguous; i++)
-        settle(check, tile, i, totals);
 }
 
 /* ---- a chunk ---- */
@@ -471,54 +422,54 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
     return true;
 }
 
-/* Learns from or judges the settled pixels of a pass. */
-static void treat_settled(struct check *check, int first_band, int n_channels, const float *pixels,
-                          size_t stride, bool learns)
-{
-    const size_t width = (size_t)check->chunk->picture.at.width;
-    float seen[BANDS_PER_PASS][BLOCK];
-    struct block block;
-    for (size_t first = 0; first < chunk_pixels(check->chunk); first += block.n ? block.n : 1) {
-        const float *from = pixels + (first / width * stride + first % width) * 4;
-        block.n = settled_pixels(check->chunk, first, (first / width + 1) * width);
-        for (size_t i = 0; i < block.n; i++)
-            for (size_t c = 0; c < BANDS_PER_PASS; c++)
-                seen[c][i] = from[4 * i + c];
-        for (int c = 0; c < n_channels && block.n > 0; c++) {
-            block.seen = seen[c];
-            (learns ? learn_stretch : judge_stretch)(check, first, first_band + c, &block);
-        }
-    }
-}
-
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
                 bool learns)
 {
     const struct chunk *chunk = check->chunk;
     const size_t width = (size_t)chunk->picture.at.width;
     const int n_channels = pass_bands(check->scene->lit->plan, first_band);
-    treat_settled(check, first_band, n_channels, pixels, stride, learns);
+    float seen[BANDS_PER_PASS][BLOCK];
+    struct block block;
+    for (size_t first = 0; first < chunk_pixels(chunk); first += block.n ? block.n : 1) {
+        const float *from = pixels + (first / width * stride + first % width) * 4;
+        block.n = settled_pixels(chunk, first, (first / width + 1) * width);
+        for (size_t i = 0; i < block.n; i++)
+            for (size_t c = 0; c < BANDS_PER_PASS; c++)
+                seen[c][i] = from[4 * i + c];
+        for (int c = 0; c < n_channels && block.n > 0; c++) {
+            block.seen = seen[c];
+            treat_stretch(check, first, first_band + c, &block, learns);
+        }
+    }
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
-        const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
-        const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;
+        const size_t at = (size_t)chunk->ambiguous[i].pixel, x = at % width, y = at / width;
         for (int c = 0; c < n_channels; c++)
-            (learns ? learn_ambiguous : judge_ambiguous)(check, pixel, first_band + c,
-                                                         pixels[(y * stride + x) * 4 + (size_t)c]);
+            treat_ambiguous(check, i, first_band + c, pixels[(y * stride + x) * 4 + (size_t)c],
+                            learns);
     }
 }
 
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals)
 {
+    const struct chunk *chunk = check->chunk;
+    const struct picture *picture = &chunk->picture;
     const struct check_failure *first = &check->verdict.first;
     if (first->found && first->kind == FAILURE_BANDS && check->limits[first->band] > 0) {
         find_limits(check);
         find_odd_bands(check);
     }
-    settle_all(check, tile, totals);
-    note_floors(check, tile);
-    check->verdict.pixels = chunk_pixels(check->chunk);
-    for (size_t i = 0; i < check->verdict.pixels; i++)
-        check->verdict.unexplained += check->failed[i];
+    for (size_t i = 0; i < chunk_pixels(chunk); i++) {
+        if (chunk->is_ambiguous[i])
+            continue;
+        if (picture->surface[i] < 0)
+            check->floor[i] = check->band_floor[i] = -1;
+        else
+            totals_note(totals, picture->surface[i], picture->triangle[i], (double)check->floor[i],
+                        &chunk->pixels[i].mean);
+    }
+    for (size_t i = 0; i < chunk->n_ambiguous; i++)
+        settle(check, tile, i, totals);
+    note_pixels(check, tile);
     verdict_add(&totals->verdict, &check->verdict);
 }
 

@@ -406,18 +406,6 @@ static void bound_band(const struct fit *fit, struct material_fit *of, int band)
     }
 }
 
-static bool fit_material(const struct fit *fit, int material, struct error *err)
-{
-    struct material_fit *of = &fit->materials[material];
-    if (has_places(&fit->plan->materials[material]))
-        return true;
-    if (!make_gains(fit, of, err))
-        return false;
-    for (int band = 0; band < fit->plan->n_bands; band++)
-        bound_band(fit, of, band);
-    return true;
-}
-
 /* ---- all materials ---- */
 
 static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
@@ -450,8 +438,13 @@ bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err)
     bool done = MAKE_ARRAY(out->materials, plan->n_materials, err, "the fit of materials") &&
                 make_spectra(out, lit->full_scale, err) &&
                 (buffer_steps(plan) > 0 || pilots_choose(out, err));
-    for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
-        done = fit_material(out, m, err);
+    for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++) {
+        if (has_places(&plan->materials[m]))
+            continue;
+        done = make_gains(out, &out->materials[m], err);
+        for (int band = 0; band < plan->n_bands && done; band++)
+            bound_band(out, &out->materials[m], band);
+    }
     return done;
 }
 

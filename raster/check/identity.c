@@ -6,17 +6,6 @@
 
 static const double depth_steps = 16777215;
 
-/* Returns whether OpenGL's depth is within the error; the background's is 1. Beyond the near or the
- * far plane, where a cut edge may still cover a centre, OpenGL stores the nearest depth that it
- * can. */
-static bool fits_depth(struct check *check, const struct shown *shown, double depth, double error)
-{
-    double off = fabs(shown->depth / depth_steps - fmin(fmax(depth, 0), 1));
-    if (off <= error && error > 0 && error < HUGE_VAL)
-        check->verdict.worst_depth_ratio = fmax(check->verdict.worst_depth_ratio, off / error);
-    return off <= error;
-}
-
 /* A triangle that OpenGL may show at a pixel. Depths are rounded to single precision: their errors
  * cover that. */
 struct named {
@@ -25,20 +14,25 @@ struct named {
 };
 static const struct named background = {-1, -1, 1, 0};
 
-/* Returns whether OpenGL shows this there. Where only the depth differs, *failure says so. */
+/* Returns whether OpenGL shows this there, at this depth. Beyond the near or the far plane, where a
+ * cut edge may still cover a centre, OpenGL stores the nearest depth that it can. Where only the
+ * depth differs, *failure says so. */
 static bool is_shown(struct check *check, const struct named *named, const struct shown *shown,
                      const struct renderer_lacks *lacks, struct check_failure *failure)
 {
     if (!lacks->numbers && (shown->surface != named->surface ||
                             (named->surface >= 0 && shown->triangle != named->triangle)))
         return false;
-    if (lacks->depths || fits_depth(check, shown, named->depth, named->error))
+    const double seen = shown->depth / depth_steps, error = named->error,
+                 off = fabs(seen - fmin(fmax(named->depth, 0), 1));
+    if (lacks->depths)
         return true;
-    *failure = (struct check_failure){.kind = FAILURE_DEPTH,
-                                      .seen = shown->depth / depth_steps,
-                                      .expected = named->depth,
-                                      .bound = named->error};
-    return false;
+    if (off <= error && error > 0 && error < HUGE_VAL)
+        check->verdict.worst_depth_ratio = fmax(check->verdict.worst_depth_ratio, off / error);
+    else if (!(off <= error))
+        *failure = (struct check_failure){
+            .kind = FAILURE_DEPTH, .seen = seen, .expected = named->depth, .bound = error};
+    return off <= error;
 }
 
 static void identify_settled(struct check *check, size_t pixel, const struct shown *shown,

@@ -8,21 +8,6 @@
 
 /* ---- samples ---- */
 
-/* Fills in the differences of a block, and adds them up. */
-static void differ(struct check_samples *samples, struct block *block)
-{
-    double sum = 0, sum_of_squares = 0;
-    for (size_t i = 0; i < block->n; i++) {
-        const double apart = (double)block->seen[i] * FULL_COUNT - block->expected[i];
-        block->difference[i] = (float)apart;
-        sum += apart;
-        sum_of_squares += apart * apart;
-    }
-    samples->n += block->n;
-    samples->sum += sum;
-    samples->sum_of_squares += sum_of_squares;
-}
-
 /* Returns whether all samples are within these limits; NaN is not. worst: the largest magnitude of
  * a difference; ratios: the largest error / bound, rest / limit. */
 VECTORIZED static bool are_within(const struct block *block, float worst, float ratio,
@@ -86,7 +71,16 @@ bool samples_compare(struct check_samples *samples, struct block *block)
     const float worst = (float)samples->largest,
                 ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
-    differ(samples, block);
+    double sum = 0, sum_of_squares = 0;
+    for (size_t i = 0; i < block->n; i++) {
+        const double apart = (double)block->seen[i] * FULL_COUNT - block->expected[i];
+        block->difference[i] = (float)apart;
+        sum += apart;
+        sum_of_squares += apart * apart;
+    }
+    samples->n += block->n;
+    samples->sum += sum;
+    samples->sum_of_squares += sum_of_squares;
     count_equal(samples, block);
     return are_within(block, worst, ratio, fit_ratio) || look_closer(samples, block);
 }

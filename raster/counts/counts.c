@@ -26,22 +26,26 @@ double buffer_rounding(const struct plan *plan)
 
 /* ---- expected samples ---- */
 
-/* Multiplies sample i of a run with errors by its texture. */
+/* Multiplies sample i of a run by its texture. */
 static void texture_sample(const struct run *run, const struct texels *texels, float e_weights,
                            size_t i, double *expected, float *bound)
 {
     const size_t first = (size_t)run->shaded->n_terms * run->stride + i;
     struct texel_point at = {.e_weights = e_weights};
     plan_place(texels, run->rows + first, run->stride, at.place);
+    if (!run->errors) {
+        expected[i] *= texel_at(texels, at.place);
+        return;
+    }
     for (int k = 0; k < place_rows(texels); k++)
         at.e_place[k] = run->errors[first + (size_t)k * run->stride];
     struct textured_sample *sample = &run->textured[i];
     texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
-    sample->radiance = *expected;
-    sample->error = (double)*bound;
-    *bound = (float)(sample->error * (sample->texel.value + sample->texel.error) +
-                     fabs(sample->radiance) * sample->texel.error);
-    *expected *= sample->texel.value;
+    sample->radiance = expected[i];
+    sample->error = (double)bound[i];
+    bound[i] = (float)(sample->error * (sample->texel.value + sample->texel.error) +
+                       fabs(sample->radiance) * sample->texel.error);
+    expected[i] *= sample->texel.value;
 }
 
 /* Multiplies the samples of a run by the values of its spectral texture in this band. */
@@ -49,15 +53,9 @@ static void apply_texture(const struct lit_scene *lit, const struct run *run, in
                           double *expected, float *bound)
 {
     const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
-    const size_t first = (size_t)run->shaded->n_terms * run->stride;
     const float e_weights = texel_weights_error(&texels, lit->driver);
-    for (size_t i = 0; i < run->n && run->errors; i++)
-        texture_sample(run, &texels, e_weights, i, &expected[i], &bound[i]);
-    for (size_t i = 0; i < run->n && !run->errors; i++) {
-        double place[TEXEL_PLACE];
-        plan_place(&texels, run->rows + first + i, run->stride, place);
-        expected[i] *= texel_at(&texels, place);
-    }
+    for (size_t i = 0; i < run->n; i++)
+        texture_sample(run, &texels, e_weights, i, expected, bound);
 }
 
 /* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each
@@ -101,6 +99,8 @@ void expect_counts(const struct lit_scene *lit, const struct run *run, int band,
     memset(expected, 0, run->n * sizeof *expected);
     if (bound)
         memset(bound, 0, run->n * sizeof *bound);
+    if (!shaded)
+        return;
     for (size_t t = 0; t < (size_t)shaded->n_terms; t++) {
         const double spectrum = shaded->made.spectra[t * (size_t)plan->n_bands + (size_t)band] /
                                 lit->full_scale * FULL_COUNT;

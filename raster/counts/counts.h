@@ -37,7 +37,7 @@ struct textured_sample {
 };
 /* A run of n <= BLOCK pixels of one surface, whose rows and errors are `stride` apart. */
 struct run {
-    const struct shaded_material *shaded;
+    const struct shaded_material *shaded; /* NULL: the cleared background, which is exactly 0 */
     const double *rows;
     const float *errors; /* of rows; NULL: no bounds are needed */
     const float *own;    /* the part of errors that each band rounds by itself */

@@ -55,20 +55,6 @@ static size_t run_length(const int32_t *surface, size_t first, size_t last)
     return n;
 }
 
-/* Finds the counts of n positions of the reference, in a run of one surface. */
-static void reference_counts(const struct stored_band *band, const struct picture *picture,
-                             size_t at, size_t n, double *counts)
-{
-    const int32_t surface = picture->surface[at];
-    const struct run run = {.shaded = surface >= 0 ? band->lit->bounds[surface].shaded : NULL,
-                            .rows = picture->rows + at,
-                            .stride = (size_t)picture->at.width * (size_t)picture->at.height,
-                            .n = n};
-    memset(counts, 0, n * sizeof *counts);
-    if (run.shaded)
-        expect_counts(band->lit, &run, band->band, counts, NULL);
-}
-
 /* Positions of the reference, or of OpenGL if picture is NULL. */
 struct positions {
     const struct picture *picture;
@@ -81,16 +67,21 @@ static void row_counts(const struct positions *of, const struct stored_band *ban
                        const size_t at[2], size_t n, double *counts)
 {
     const size_t channel = (size_t)(band->band % BANDS_PER_PASS);
-    if (!of->picture) {
+    const struct picture *picture = of->picture;
+    if (!picture) {
         const float *seen = of->pixels + (at[1] * of->stride + at[0]) * 4;
         for (size_t i = 0; i < n; i++)
             counts[i] = (double)seen[4 * i + channel] * FULL_COUNT;
         return;
     }
-    const size_t first = at[1] * (size_t)of->picture->at.width + at[0];
-    for (size_t i = 0, run; i < n; i += run) {
-        run = run_length(of->picture->surface, first + i, first + n);
-        reference_counts(band, of->picture, first + i, run, counts + i);
+    const size_t first = at[1] * (size_t)picture->at.width + at[0];
+    struct run run = {.stride = (size_t)picture->at.width * (size_t)picture->at.height};
+    for (size_t i = 0; i < n; i += run.n) {
+        const int32_t surface = picture->surface[first + i];
+        run.shaded = surface >= 0 ? band->lit->bounds[surface].shaded : NULL;
+        run.rows = picture->rows + first + i;
+        run.n = run_length(picture->surface, first + i, first + n);
+        expect_counts(band->lit, &run, band->band, counts + i, NULL);
     }
 }
 

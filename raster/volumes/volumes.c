@@ -305,11 +305,6 @@ static bool add_beyond(struct maker *maker, const struct cap *cap, struct error 
  * end; and caps that are behind. */
 enum cap_part { CAP_EDGES, CAP_NEAR, CAP_BEYOND, CAP_FAR, CAP_BEHIND };
 
-static bool has_part(const struct cap *cap, enum cap_part part)
-{
-    return part == CAP_EDGES || part == CAP_FAR || cap->is_behind == (part == CAP_BEHIND);
-}
-
 /* Edges go round the light alike: a triangle that turns away is taken from behind. */
 static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part part,
                     struct error *err)
@@ -333,8 +328,10 @@ static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part pa
 static bool add_caps(struct maker *maker, const struct cap *caps, int n, int side,
                      enum cap_part part, struct error *err)
 {
+    const bool of_all = part == CAP_EDGES || part == CAP_FAR;
     for (int i = 0; i < n; i++)
-        if ((side == 0 || caps[i].side == side) && has_part(&caps[i], part) &&
+        if ((side == 0 || caps[i].side == side) &&
+            (of_all || caps[i].is_behind == (part == CAP_BEHIND)) &&
             !add_cap(maker, &caps[i], part, err))
             return false;
     return true;
@@ -427,7 +424,6 @@ static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list
 {
     const struct placed_instance *instances = maker->lit->plan->instances;
     maker->towards = light_in_mesh(&instances[maker->first].instance, maker->light);
-    maker->nearest = HUGE_VAL;
     for (int i = maker->first; i < maker->end; i++)
         if (!list_caps(maker, i, err))
             return false;
@@ -450,18 +446,17 @@ static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volum
 {
     const struct plan *plan = lit->plan;
     const struct eye_light *light = shadow_light(&plan->view, shadowed);
-    struct maker maker = {.lit = lit, .light = light, .farthest = farthest_in_view(plan, light)};
+    const double farthest = farthest_in_view(plan, light);
+    const struct placed_instance *of = plan->instances;
     bool done = true;
-    for (int end; done && maker.first < plan->n_instances; maker.first = end) {
-        const struct placed_instance *first = &plan->instances[maker.first];
-        for (end = maker.first;
-             end < plan->n_instances && plan->instances[end].object == first->object;)
+    for (int first = 0, end; done && first < plan->n_instances; first = end) {
+        struct maker maker = {
+            .lit = lit, .light = light, .farthest = farthest, .nearest = HUGE_VAL, .first = first};
+        for (end = first; end < plan->n_instances && of[end].object == of[first].object;)
             end++;
         maker.end = end;
-        done = (first->casts >> shadowed & 1) == 0 || make_volumes(&maker, shadowed, out, err);
+        done = (of[first].casts >> shadowed & 1) == 0 || make_volumes(&maker, shadowed, out, err);
         free(maker.caps);
-        maker.caps = NULL;
-        maker.n_caps = 0;
     }
     return done;
 }
