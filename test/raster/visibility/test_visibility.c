@@ -115,60 +115,6 @@ static void box_shadow(void)
     occluders_free(&box.occluders);
 }
 
-static void add_sphere(struct solid *of, int slices, int stacks)
-{
-    const int32_t south = add_vertex(of, 0, 0, -1), first = of->n_vertices;
-    for (int i = 1; i < stacks; i++)
-        for (int j = 0; j < slices; j++) {
-            double sine, cosine, x, y;
-            sine_cosine_of_turn(i, 2 * stacks, &sine, &cosine);
-            sine_cosine_of_turn(j, slices, &y, &x);
-            add_vertex(of, sine * x, sine * y, -cosine);
-        }
-    const int32_t north = add_vertex(of, 0, 0, 1), last = north - slices;
-    for (int j = 0; j < slices; j++) {
-        const int32_t next = (j + 1) % slices;
-        add_triangle(of, south, first + next, first + j);
-        add_triangle(of, north, last + j, last + next);
-        for (int32_t row = first; row < last; row += slices) {
-            add_triangle(of, row + j, row + next, row + slices + next);
-            add_triangle(of, row + j, row + slices + next, row + slices + j);
-        }
-    }
-}
-
-/* The shadow of a sphere of slices and stacks, in light along its axis, is the regular polygon of
- * its equator. In polar coordinates the area is the integral of r^2 / 2. */
-static void sphere_shadow(void)
-{
-    static struct solid sphere;
-    enum { SLICES = 24, DIRECTIONS = 24 * 64 };
-    const struct vector up = {0, 0, 1}, lamp = {0, 0, 5};
-    double area = 0, worst = 0, half = PI / SLICES;
-    add_sphere(&sphere, SLICES, 12);
-    solid_make(&sphere);
-    for (int i = 0; i < DIRECTIONS; i++) {
-        double sine, cosine, in_slice = fmod(2 * PI * (i + 0.5) / DIRECTIONS, 2 * half);
-        sine_cosine_of_turn(2 * i + 1, 2 * DIRECTIONS, &sine, &cosine);
-        const struct vector along = {2 * cosine, 2 * sine, 0};
-        const double edge = 2 * edge_along(&sphere, up, true, (struct vector){0, 0, -2}, along);
-        worst = fmax(worst, fabs(edge * cos(in_slice - half) / cos(half) - 1));
-        area += edge * edge / 2 * (2 * PI / DIRECTIONS);
-    }
-    CHECK(worst < 1e-9, "a sphere in light along its axis: each point of its shadow's edge, %g",
-          worst);
-    CHECK_NEAR(area / (0.5 * SLICES * sin(2 * half)), 1, 1e-5, "and the area of the shadow");
-    /* seen from a lamp at height h, a ring of radius r at height z covers r (h + 2) / (h - z) of
-     * the plane at -2: the largest ring is the edge */
-    double largest = 0;
-    for (int i = 1; i < 12; i++)
-        largest = fmax(largest, sin(PI * i / 12) * 7 / (5 + cos(PI * i / 12)));
-    CHECK_NEAR(
-        4 * edge_along(&sphere, lamp, false, (struct vector){0, 0, -2}, (struct vector){4, 0, 0}),
-        largest, 1e-8, "a sphere below a lamp: the edge of its shadow at a vertex");
-    occluders_free(&sphere.occluders);
-}
-
 /* ---- whole numbers ---- */
 
 /* The segment from a point inside of a closed mesh to a light outside of it meets the mesh, also
@@ -396,7 +342,6 @@ static void signs_are_exact(void)
 int main(void)
 {
     box_shadow();
-    sphere_shadow();
     no_leaks();
     lamp_at_plate();
     agrees_with_slow();
