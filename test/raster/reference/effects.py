@@ -461,24 +461,6 @@ def halves(renderer):
           f"{renderer}: the sphere is cut where its own x is 0")
 
 
-def halves_in_perspective(renderer):
-    size = 81
-    matrix = rotation(-50, (0, 1, 0)) @ rotation(25, (0, 0, 1))
-    scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\n{PAIR}"
-             "object plane 3 3 material grey rotate 25 0 0 1 rotate -50 0 1 0 translate 0 0 -6")
-    ray = np.array([*pixel_grid(size, size, 2 * np.tan(np.radians(20))), -np.ones((size, size))])
-    normal = matrix @ [0, 0, 1]
-    point = ray * (normal @ [0, 0, -6] / np.tensordot(normal, ray, 1))
-    point[2] += 6
-    across, up, _ = np.tensordot(matrix.T, point, 1)
-    inside = (abs(across) < 1.48) & (abs(up) < 1.48)
-    steep = is_steep(Picture("leaning", renderer, scene),
-                     f"{renderer}: a leaning square in perspective has no crack", inside)
-    clear = inside & (abs(across) > 1e-3)
-    check(clear.sum() > 500 and (steep == (across > 0))[clear].all(),
-          f"{renderer}: the square is cut at its own x = 0, to a pixel")
-
-
 def equal_halves(renderer):
     head = "size 60 40\ncamera ortho 6\nambient d65 1\nmaterial same { diffuse RED }\nmaterial m { diffuse RED"
     for shape in ("plane 7 5", "sphere 1.8 24 24", "box 3 2 2", "teapot 1.5 6"):
@@ -559,7 +541,7 @@ def thesis_list(renderer):
 
 
 EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, twins, flat_texture, texel_borders, dark_texture, tiles_of_steps, spectral_textures, spots,
-           grazing, lights_alike, light_of_option, full_scale, sums, emission, fill_rule, backs, halves, halves_in_perspective,
+           grazing, lights_alike, light_of_option, full_scale, sums, emission, fill_rule, backs, halves,
            equal_halves, textured_halves, several_materials, many_objects, thesis_list)
 for each in ("raster", "gl"):
     for effect in cases(EFFECTS, lambda effect: effect.__name__):

@@ -3,7 +3,6 @@
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Compares shading by triangle, vertex and pixel with closed forms and with each other; checks tessellation, and the
 rounding of OpenGL's colour buffers and of pages. Prints TAP."""
-import json
 import os
 
 import numpy as np
@@ -237,17 +236,8 @@ def pages():
     check(Picture(many, "--depth", "8").agreed(), "an object map of more than 255 objects lies beside pages of 8 bits")
 
 
-def drivers():
-    for driver in ("llvmpipe", "softpipe"):
-        for other in ("llvmpipe", "softpipe"):
-            result = run("patches", "--renderer", driver, "--size", "30x20", "--json", "-", "-o", "/dev/null",
-                         GALLIUM_DRIVER=other)
-            check(result.returncode == 0 and json.loads(result.stdout)["gl_renderer"].startswith(driver),
-                  f"--renderer names {driver} and it draws, even if the environment names {other}", result.stderr)
-
-
 sphere()
 approaches("sphere", "sphere 1 24 12", lambda r: r < 0.7)
 approaches("torus", "torus 0.3 0.8 24 48", lambda r: np.abs(r - 0.8) < 0.2)
-parts(planes, full_scale, tessellation, buffers, faults, clipping, pages, drivers)
+parts(planes, full_scale, tessellation, buffers, faults, clipping, pages)
 done()
