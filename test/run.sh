@@ -149,7 +149,6 @@ make_replay() {
 make_fail() { build_preloaded test/program/fail.c "$FAIL_LIBRARY"; }
 make_spoil() { build_preloaded test/raster/beside/shader/spoil.c "$SPOIL_LIBRARY"; }
 make_calls() { build_preloaded test/raster/gl/calls.c "$CALLS_LIBRARY" -lOSMesa; }
-make_liar() { build_preloaded test/raster/beside/measure/liar.c "$LIAR_LIBRARY" -lOSMesa; }
 make_faults() { build_preloaded test/raster/check/fault.c "$FAULTS" -lOSMesa; }
 
 # Prints the tables of commands and options.
@@ -215,7 +214,7 @@ run_tests() {
     build
     export SPECTRAL="$BUILD/spectral" LIVE="$BUILD/spectral-live" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
-        CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
+        CALLS_LIBRARY="$BUILD/test/calls.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
     make_for_tests
     mkdir -p "$TEST_TMP"
     RESULTS=$(mktemp "$TEST_TMP/results.XXXXXX")

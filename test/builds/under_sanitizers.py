@@ -1,6 +1,6 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: release; packages: python3-numpy python3-tifffile python3-pil python3-gdal python3-scipy python3-junitparser gdal-bin pngcheck mandoc bsdextrautils parallel make liblcms2-utils glmark2-data colord-data psychtoolbox-3-common libosmesa6-dev; makes: command_table sanitized library faults fail spoil liar calls mutant mutants
+# level: release; packages: python3-numpy python3-tifffile python3-pil python3-gdal python3-scipy python3-junitparser gdal-bin pngcheck mandoc bsdextrautils parallel make liblcms2-utils glmark2-data colord-data psychtoolbox-3-common libosmesa6-dev; makes: command_table sanitized library faults fail spoil calls mutant mutants
 """The program under sanitizers takes the place of the program in the scripts of the first level and of `test full`, and runs
 command lines at random for an hour. What the scripts expect besides does not count here: the sanitized program is slower and
 needs more memory, so that some of them fail. A finding is in the words of standard error, which the program writes into files

@@ -16,8 +16,8 @@ from tap import amount, bail_out, cases, check, done, parts  # noqa: F401  the s
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
-FAULTS, SPOIL, FAIL, LIAR = (os.path.abspath(os.environ.get(variable, f"build/test/{name}.so")) for variable, name in (
-    ("FAULTS", "fault"), ("SPOIL_LIBRARY", "spoil"), ("FAIL_LIBRARY", "fail"), ("LIAR_LIBRARY", "liar")))
+FAULTS, SPOIL, FAIL = (os.path.abspath(os.environ.get(variable, f"build/test/{name}.so")) for variable, name in (
+    ("FAULTS", "fault"), ("SPOIL_LIBRARY", "spoil"), ("FAIL_LIBRARY", "fail")))
 TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                    os.path.splitext(os.path.basename(sys.argv[0]))[0])
 MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"

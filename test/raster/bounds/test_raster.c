@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Clipping neither loses nor doubles any area; counts, floors and exactness are judged as they
- * should be. The bounds on interpolation hold for Mesa's arithmetic in single precision, and are
- * not far too wide. */
+ * should be. */
 
 #include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
@@ -116,99 +115,6 @@ static void check_flat_clipping(void)
     }
     CHECK(most > 5 && most <= CLIP_CORNERS,
           "a triangle in a clipping plane keeps at most as many corners as there is room for");
-}
-
-/* Interpolates as llvmpipe and softpipe do, in single precision: planes of a/w and 1/w pass through
- * the corners, start at the framebuffer's origin, and are divided at the pixel. */
-static double single_precision(const float x[3], const float y[3], const float w[3],
-                               const float values[3], float px, float py)
-{
-    float n[3], plane[2];
-    for (int i = 0; i < 3; i++)
-        n[i] = values[i] * w[i];
-    const float *q[2] = {n, w};
-    float dx1 = x[1] - x[0], dy1 = y[1] - y[0], dx2 = x[2] - x[0], dy2 = y[2] - y[0];
-    float one_over_area = 1.0F / (dx1 * dy2 - dx2 * dy1);
-    for (int k = 0; k < 2; k++) {
-        float d1 = q[k][1] - q[k][0], d2 = q[k][2] - q[k][0];
-        float gx = (d1 * dy2 - d2 * dy1) * one_over_area;
-        float gy = (d2 * dx1 - d1 * dx2) * one_over_area;
-        float origin = q[k][0] - (gx * (x[0] - 0.5F) + gy * (y[0] - 0.5F));
-        plane[k] = origin + gx * (px - 0.5F) + gy * (py - 0.5F);
-    }
-    return (double)(plane[0] / plane[1]);
-}
-
-/* Returns NaN outside the triangle, where nothing is drawn. */
-static double exact(const struct clipped_triangle *o, const double values[3], double px, double py)
-{
-    double sum = 0, weight = 0, turn = 0;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double e = ((o->screen.x[j] - px) * (o->screen.y[k] - py) -
-                    (o->screen.x[k] - px) * (o->screen.y[j] - py)) *
-                   o->screen.inverse_w[i];
-        if (e * turn < 0)
-            return (double)NAN;
-        turn = e;
-        sum += e * values[i];
-        weight += e;
-    }
-    return sum / weight;
-}
-
-/* Finds the worst error / bound over random triangles of about `size` pixels. */
-static void check_bounds(double size, double depth_range, const char *name)
-{
-    enum { TRIANGLES = 20000 };
-    uint64_t state = 7;
-    double worst = 0;
-    int bounded = 0;
-    for (int i = 0; i < TRIANGLES; i++) {
-        struct clipped_triangle clipped = {.reach_x = 1025,
-                                           .reach_y = 1025,
-                                           .value_roundings =
-                                               driver_of("llvmpipe")->value_roundings,
-                                           .least_part = 1};
-        double values[3], depths[3], cx = test_random(&state, 100, 900),
-                                     cy = test_random(&state, 100, 900);
-        float x[3], y[3], w[3], v[3];
-        for (int c = 0; c < 3; c++) {
-            clipped.screen.x[c] = cx + test_random(&state, -size, size);
-            clipped.screen.y[c] = cy + test_random(&state, -size, size);
-            depths[c] = test_random(&state, 1, depth_range);
-            clipped.screen.inverse_w[c] = 1 / depths[c];
-            values[c] = test_random(&state, 0, 1);
-            x[c] = (float)clipped.screen.x[c];
-            y[c] = (float)clipped.screen.y[c];
-            w[c] = (float)clipped.screen.inverse_w[c];
-            v[c] = (float)values[c];
-        }
-        /* corners, w and values are rounded once: 2^-24 relative */
-        for (int c = 0; c < 3; c++)
-            clipped.slack_px[c] = clipped.moved_px[c][0] = clipped.moved_px[c][1] = roundings(1024);
-        clipped.slack.w = roundings(2);
-        bound_inverse_w(&clipped);
-        /* the pixel at the centre of gravity */
-        double px =
-            floor((clipped.screen.x[0] + clipped.screen.x[1] + clipped.screen.x[2]) / 3) + 0.5;
-        double py =
-            floor((clipped.screen.y[0] + clipped.screen.y[1] + clipped.screen.y[2]) / 3) + 0.5;
-        double expected = exact(&clipped, values, px, py);
-        if (isnan(expected) || !(clipped.magnification < HUGE_VAL))
-            continue;
-        double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
-        struct colour_bound bound = bound_colour(&clipped, values);
-        struct colour_bound of_d = clipped.inverse_w_bound;
-        double d = 1 / exact(&clipped, depths, px, py), least = d - (of_d.fixed + of_d.per_d * d);
-        worst = fmax(worst, error / clipped.magnification /
-                                (bound.constant + bound.own_constant +
-                                 (bound.fixed + bound.own_fixed + bound.per_d * d) / least));
-        bounded++;
-    }
-    CHECK(bounded > TRIANGLES / 2, "%s: most triangles have a bound at their middle pixel", name);
-    if (!CHECK(worst < 1 && worst > 0.02, "%s: the bound holds, and is not far too wide", name))
-        printf("# worst error / bound %g of %d\n", worst, bounded);
 }
 
 static void check_exactness(void)
@@ -330,9 +236,6 @@ int main(void)
     check_floor();
     check_clipping();
     check_flat_clipping();
-    check_bounds(200, 1, "large triangles");
-    check_bounds(5, 1, "small triangles");
-    check_bounds(100, 8, "triangles in perspective");
     struct clipped_triangle line = {
         .screen = {.x = {0, 10, 20}, .y = {0, 10, 20}, .inverse_w = {1, 1, 1}},
         .slack_px = {1e-4, 1e-4, 1e-4},

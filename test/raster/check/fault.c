@@ -2,7 +2,8 @@
 /* Plants one fault between the program and OSMesa, to prove that the cross-check finds it.
  * LD_PRELOAD loads this library before OSMesa; the environment variable FAULT is the fault's number
  * in faults.md. Faults of place and state change every draw call; faults of samples, bands and
- * passes change the passes of colours, which the program draws by glDrawElements.
+ * passes change the passes of colours, which the program draws by glDrawElements. FAULT_RENDERER is
+ * the GL_RENDERER of an OpenGL that nobody knows.
  *
  * Faults 73 to 75 change a sample by FAULT_COUNTS counts at the pixel FAULT_PIXEL, "x,y" from the
  * top left; 78 exchanges two bands around it.
@@ -92,8 +93,13 @@ static void spoil_parameter(GLenum *name, GLfloat *value)
     }
 }
 
+static bool mipmapped; /* the texture whose filter was set last */
+
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
+    mipmapped = name == GL_TEXTURE_MIN_FILTER ? value == GL_LINEAR_MIPMAP_LINEAR : mipmapped;
+    if (fault() == 103 && !mipmapped && value == GL_LINEAR)
+        value = GL_NEAREST;
     GLfloat spoiled = (GLfloat)value; /* exact, since names in OpenGL have 16 bits */
     spoil_parameter(&name, &spoiled);
     REAL(glTexParameteri)(target, name, (GLint)spoiled);
@@ -209,9 +215,10 @@ void glGetIntegerv(GLenum name, GLint *values)
 
 const GLubyte *glGetString(GLenum name)
 {
-    return (fault() == 83 || fault() == 100) && name == GL_RENDERER
-               ? (const GLubyte *)"another driver"
-               : REAL(glGetString)(name);
+    const char *own = getenv("FAULT_RENDERER");
+    if (fault() == 83 || fault() == 100)
+        own = "another driver";
+    return own && name == GL_RENDERER ? (const GLubyte *)own : REAL(glGetString)(name);
 }
 
 /* ---- drawing in a wrong state ---- */
@@ -260,6 +267,18 @@ static void reset_model(GLenum name)
     glLightModeli(name, 0);
 }
 
+/* Places each second mesh further back where it is lit than where it is numbered. */
+static void move_back(GLenum depth_steps)
+{
+    static bool second;
+    if (!coloured)
+        return;
+    second = !second;
+    if (second)
+        glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(0, (GLfloat)depth_steps);
+}
+
 static const struct state_fault {
     int fault;
     void (*set)(GLenum value);
@@ -286,6 +305,7 @@ static const struct state_fault {
     {57, glShadeModel, GL_SMOOTH},
     {96, bias_detail, 1},
     {100, bias_detail, 8},
+    {104, move_back, 4096},
 };
 
 static void spoil_state(void)
@@ -509,6 +529,44 @@ static void exchange_levels(GLint level, size_t width, size_t height, size_t cha
     }
 }
 
+/* 103: linear filtering by weights of 5 bits, cut off, is nearest filtering of a texture that is 32
+ * times as large a side. A side of one texel stays as it is, and so do textures with mipmaps. */
+enum { WEIGHTS = 32 };
+
+static float filtered(const float *texels, const int size[2], const int at[2], int channels)
+{
+    float sum = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        int index[2];
+        float weight = 1;
+        for (int j = 0; j < 2; j++) {
+            const int shifted = at[j] + WEIGHTS / 2, up = corner >> j & 1;
+            const float part = (float)(shifted % WEIGHTS) / WEIGHTS;
+            index[j] = (shifted / WEIGHTS - 1 + up + size[j]) % size[j];
+            weight *= size[j] == 1 ? 0.5F : up ? part : 1 - part;
+        }
+        sum += weight * texels[channels * (index[1] * size[0] + index[0])];
+    }
+    return sum;
+}
+
+/* Returns the larger texture, and changes its size. */
+static float *enlarged(const float *texels, int channels, GLsizei *width, GLsizei *height)
+{
+    const int size[2] = {*width, *height};
+    *width *= *width > 1 ? WEIGHTS : 1;
+    *height *= *height > 1 ? WEIGHTS : 1;
+    const int n = channels * *width * *height;
+    float *out = malloc((size_t)n * sizeof *out);
+    if (!out)
+        abort();
+    for (int i = 0; i < n; i++) {
+        const int texel = i / channels, at[2] = {texel % *width, texel / *width};
+        out[i] = filtered(texels + i % channels, size, at, channels);
+    }
+    return out;
+}
+
 /* 59: moved by one texel; 60: first and third band exchanged; 61: one texel off by 1/100; 99: first
  * and third band exchanged in the levels behind the first. */
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
@@ -530,6 +588,10 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
         spoiled[channels * middle + c] *= 1.01F;
     if (fault() == 98)
         exchange_levels(level, across, (size_t)height, channels, spoiled);
+    if (fault() == 103 && !mipmapped) {
+        free(spoiled);
+        spoiled = enlarged(texels, (int)channels, &width, &height);
+    }
     REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, spoiled);
     free(spoiled);
 }
@@ -614,6 +676,17 @@ static void spoil_identity(GLuint *depths)
     }
 }
 
+/* 101: a depth in four is a step too low; 102: depths have 16 bits. */
+static void spoil_depths(GLuint *depths, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (fault() == 102)
+            depths[i] &= 0xffff00ffu;
+        if (fault() == 101 && depths[i] >> 8 < 0xffffff && (depths[i] & 0x300) == 0x300)
+            depths[i] -= 0x100;
+    }
+}
+
 /* 92: the stencil buffer wraps at 4 bits; 93: all lights have the shadows of the first; 110:
  * no pixel is in shadow; 111: each is; 112: each that is not. */
 static void spoil_counts(GLuint *counts, size_t n)
@@ -644,6 +717,7 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
     if (fault() == 9)
         turn_back(pixels, sizeof(GLuint)); /* depth and stencil */
     spoil_identity(pixels);
+    spoil_depths(pixels, (size_t)width * (size_t)height);
 }
 
 /* Writes the pass to the file if there is no fault; fault 4 reads the neighbouring pass from it. */

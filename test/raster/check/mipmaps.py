@@ -64,12 +64,6 @@ def levels():
         expected = np.concatenate([level.ravel() for level in averaged(texels[::-1].astype(float))])
         check(found.size == expected.size and np.allclose(found, expected, rtol=6e-8, atol=0),
               f"{width} x {height} texels: each level holds averages of the first", found.size, expected.size)
-    # by hand: 3 texels become 1
-    write_texture("three.tif", [[0.25, 0.5, 1]])
-    scene = write("three.scene", "material m { diffuse 1 texture three.tif linear }\nlight 1 1 direction 0 0 1\n"
-                                 "object plane 1 1 material m repeat 5 5\n")
-    check(exported(scene, "three").tolist() == [0.25, 0.5, 1, np.float32(1.75 / 3)],
-          "three texels, and their mean")
 
 
 def filtered(levels_of, s, t, detail):

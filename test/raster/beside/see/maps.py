@@ -1,15 +1,17 @@
-#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+#!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/reference /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile libosmesa6
 """The maps of a picture: weights x spectra x texture are the stack, in all built-in scenes; a picture that is lit anew from its maps is
-the render under the other light; with the spectra of a white diffuser it is the picture of white objects; places and normals are those of rays in long double
-through triangles of this test, and of a sphere and a plane. Prints TAP."""
+the render under the other light; with the spectra of a white diffuser it is the picture of white objects; places and normals are those of rays
+through triangles (brute.py), and of a sphere and a plane. Prints TAP."""
 import re
+import types
 import xml.etree.ElementTree as ET
 
 import numpy as np
 import tifffile
 
+import brute
 from rendered import SCENES, TMP, built_in, bytes_of, check, done, output_of, run, write
 
 STACK, MAPS = f"{TMP}/stack.tif", f"{TMP}/maps.tif"
@@ -103,56 +105,37 @@ rows = ([f"v {x!r} {y!r} {z!r}" for x, y, z in CORNERS.reshape(-1, 3).tolist()] 
         [f"vn {x!r} {y!r} {z!r}" for x, y, z in NORMALS.reshape(-1, 3).tolist()] +
         ["f " + " ".join(f"{i}/{i}/{i}" for i in range(3 * face + 1, 3 * face + 4)) for face in range(40)])
 write("t.obj", "\n".join(rows) + "\n")
-EYE, LOOK, UP = (np.array(v, np.longdouble) for v in ((0.4, 0.3, 5), (0.1, -0.2, 0), (0.1, 1, 0)))
+EYE, LOOK = np.array([0.4, 0.3, 5]), np.array([0.1, -0.2, 0])
 write("rays.scene", f"""wavelengths 500 600 50
 size 90 60
-camera perspective 50 near 2 far 12 eye {EYE[0]} {EYE[1]} {EYE[2]} look {LOOK[0]} {LOOK[1]} {LOOK[2]} up {UP[0]} {UP[1]} {UP[2]}
+camera perspective 50 near 2 far 12 eye {brute.words(EYE)} look {brute.words(LOOK)}
 light d65 1 direction 0 0 1
 material m {{ diffuse 0.5 texture checks }}
 object mesh t.obj two-sided material m scale 1 -0.8 1.1 translate 0.2 0.1 -0.3
 """)
 pages, _ = render(f"{TMP}/rays.scene", "--renderer", "raster", "--shading", "phong")
-shift, factor = np.array([0.2, 0.1, -0.3], np.longdouble), np.array([1, -0.8, 1.1], np.longdouble)
-corners = CORNERS.astype(np.longdouble) * factor + shift
-forward = (LOOK - EYE) / np.sqrt(((LOOK - EYE) ** 2).sum())
-right = np.cross(forward, UP)
-right /= np.sqrt((right ** 2).sum())
-upward = np.cross(right, forward)
-half = np.tan(np.longdouble(25) * np.pi / 180)
+flat = {name: page.ravel() for name, page in pages.items()}
+factor = np.array([1, -0.8, 1.1])
+corners = CORNERS * factor + [0.2, 0.1, -0.3]
+view = types.SimpleNamespace(size=(90, 60), samples=1, eye=EYE, look=LOOK, perspective=True, extent=50, triangles=[(three,) for three in corners])
+start, along, axes = brute.rays(view)
+depth, shares = brute.hits(view, start, along)
+depth[(depth < 2) | (depth > 12)] = np.inf
+ray = np.flatnonzero(np.isfinite(depth).any(1))
+nearest = depth[ray].argmin(1)
+share = shares[ray, nearest][:, None]
+place = EYE + along[ray] * depth[ray, nearest][:, None]
+normal = brute.unit((share @ NORMALS[nearest])[:, 0] / factor)
+face = np.cross(corners[nearest, 1] - corners[nearest, 0], corners[nearest, 2] - corners[nearest, 0])
+seen_side = np.where((face * factor.prod() * along[ray]).sum(1) < 0, 1, -1)  # the mirror turns the corners: outside is where it points away
+in_eye = (place - EYE) @ np.transpose(axes)
+expected = np.column_stack([in_eye, place, seen_side[:, None] * normal, (share @ UV[nearest])[:, 0], -in_eye[:, 2]])
 names = ["eye x", "eye y", "eye z", "world x", "world y", "world z", "normal x", "normal y", "normal z", "s", "t", "depth"]
-worst, hits, wrong = 0, 0, 0
-pairs = set()
-edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-for y in range(60):
-    for x in range(90):
-        ray = forward + right * (2 * (x + 0.5) / 90 - 1) * half * 90 / 60 + upward * (1 - 2 * (y + 0.5) / 60) * half
-        across = np.cross(ray, edges[1])
-        with np.errstate(all="ignore"):
-            turn = (edges[0] * across).sum(1)
-            from_corner = EYE - corners[:, 0]
-            u = (from_corner * across).sum(1) / turn
-            beside = np.cross(from_corner, edges[0])
-            v, depth = (beside * ray).sum(1) / turn, (edges[1] * beside).sum(1) / turn
-        inside = np.minimum(np.minimum(u, v), 1 - u - v)
-        if ((np.abs(inside) < 1e-9) & (depth > 1)).any():
-            continue
-        depth = np.where((inside > 0) & (depth > 2) & (depth < 12), depth, np.inf)
-        nearest = int(np.argmin(depth))
-        if not np.isfinite(depth[nearest]):
-            wrong += pages["object"][y, x] != 0
-            continue
-        hits += 1
-        pairs.add((nearest, pages["triangle"][y, x]))
-        share = np.array([1 - u[nearest] - v[nearest], u[nearest], v[nearest]])
-        place = EYE + ray * depth[nearest]
-        normal = (share[:, None] * NORMALS[nearest]).sum(0) / factor
-        normal /= np.sqrt((normal ** 2).sum())
-        face = np.cross(edges[0][nearest], edges[1][nearest])  # the mirror turns the corners: outside is where it points away
-        seen_side = 1 if (face * factor.prod() * ray).sum() < 0 else -1
-        in_eye = np.array([(place - EYE) @ right, (place - EYE) @ upward, -(place - EYE) @ forward])
-        expected = [*in_eye, *place, *(seen_side * normal), *(share @ UV[nearest]), -in_eye[2]]
-        worst = max(worst, max(abs(pages[name][y, x] - float(value)) / max(1, abs(float(value))) for name, value in zip(names, expected)))
-check(hits > 2000 and worst < 3e-7 and wrong == 0, f"{hits} pixels of triangles: places, normals, texture coordinates are those of the rays", worst, wrong)
+off = np.abs(np.transpose([flat[name][ray] for name in names]) - expected) / np.maximum(1, np.abs(expected))
+wrong = np.count_nonzero(np.delete(flat["object"], ray))
+check(len(ray) > 2000 and off.max() < 3e-7 and wrong == 0, f"{len(ray)} pixels of triangles: places, normals, texture coordinates are those of the rays",
+      off.max(), wrong)
+pairs = set(zip(nearest, flat["triangle"][ray]))
 check(len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs}), "each triangle has its number")
 
 # ---- places: a sphere and a plane ----

@@ -11,7 +11,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import TMP, bytes_of, check, cielab, done, run, weights, write
+from rendered import TMP, bytes_of, check, done, run, weights, write
 
 STACK = f"{TMP}/a.tif"
 run("render", write("a.scene", """wavelengths 400 700 10

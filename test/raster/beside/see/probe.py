@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 from colours import cielab
-from rendered import (D65, LAMP_A, MATERIAL, RED, TMP, WAVELENGTHS, built_in, check, done, output_of, pages_of, path_of,
+from rendered import (D65, LAMP_A, MATERIAL, RED, TMP, WAVELENGTHS, check, done, output_of, pages_of, path_of,
                       reference, refuses, run, weights, write, write_stack)
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -153,6 +153,11 @@ object plane 1 2 material dye translate 1 0 0
 
 # ---- plots ----
 
+def lines_of(root):
+    """The lines of a plot by their names."""
+    return {g.find(SVG + "title").text: g.find(SVG + "path") for g in root.iter(SVG + "g") if g.find(SVG + "title") is not None}
+
+
 def points(path):
     return np.array(re.findall(r"([-\d.]+),([-\d.]+)", path.get("d")), float)
 
@@ -161,8 +166,7 @@ def test_svg(scene):
     result = run("probe", scene, 30, 20, "--svg")
     root = ElementTree.fromstring(result.stdout)
     seen = probe(scene, 30, 20)
-    groups = {g.find(SVG + "title").text: g.find(SVG + "path") for g in root.iter(SVG + "g")
-              if g.find(SVG + "title") is not None}
+    groups = lines_of(root)
     names = [name for name in seen if name not in ("wavelength", "standard deviation of radiance")]
     check(sorted(groups) == sorted(names), "the plot has a line for each curve", list(groups), names)
     right = {"reflectance", "specular reflectance", "excitation", "emission"}
@@ -186,8 +190,7 @@ def test_svg(scene):
 def test_bars(path):
     """Bars of a region reach from mean - deviation, or from 0, to mean + deviation."""
     def lines(*region):
-        root = ElementTree.fromstring(run("probe", path, *region, "--svg").stdout)
-        return {g.find(SVG + "title").text: g.find(SVG + "path") for g in root.iter(SVG + "g") if g.find(SVG + "title") is not None}
+        return lines_of(ElementTree.fromstring(run("probe", path, *region, "--svg").stdout))
     drawn, seen = lines(0, 0, 120, 80), probe(path, 0, 0, 120, 80)
     mean, spread = seen["radiance"], seen["standard deviation of radiance"]
     scale = np.polyfit(points(drawn["radiance"])[:, 1], mean, 1)

@@ -1,26 +1,41 @@
 /* SPDX-License-Identifier: MIT */
-/* Charts are well-formed XML for any values, and axes have round ticks. probe.py and frontier.py
- * read charts back: every point lies where its numbers put it, and the bytes are the same each
- * time. */
+/* Charts are well-formed XML for any values, and axes have round ticks. probe.py and cost.py read
+ * charts back: every point lies where its numbers put it, and the bytes are the same each time. */
+#include <unistd.h>
+
+#include "data/base/base.h"
 #include "raster/beside/see/inside.h"
-#include "svg.h"
+#include "test.h"
 
-static char *svg_of(const struct chart *chart)
-{
-    struct printed printed = {.text = NULL};
-    chart_svg(chart, &printed);
-    return svg_end(&printed);
-}
-
-/* Draws n series over their numbers. */
+/* Draws n series over their numbers. Returns the text. */
 static char *svg_of_series(const struct chart_series *series, int n, bool logarithmic)
 {
-    return svg_of(&(struct chart){.title = "title",
-                                  .x_label = "x",
-                                  .y_label = "y",
-                                  .logarithmic = logarithmic,
-                                  .series = series,
-                                  .n = n});
+    const struct chart chart = {.title = "title",
+                                .x_label = "x",
+                                .y_label = "y",
+                                .logarithmic = logarithmic,
+                                .series = series,
+                                .n = n};
+    struct printed printed = {.text = NULL};
+    chart_svg(&chart, &printed);
+    char *svg = printed_end(&printed);
+    test_need(svg != NULL, "no memory");
+    return svg;
+}
+
+/* Returns whether Python's parser takes the text, and no number in it is infinite or NaN. */
+static bool svg_is_sound(const char *svg)
+{
+    char path[256], command[400];
+    snprintf(path, sizeof path, "%s/chart-%d.svg", test_folder(), (int)getpid());
+    snprintf(command, sizeof command,
+             "/usr/bin/python3 -ISc 'import sys, xml.parsers.expat as xml\n"
+             "xml.ParserCreate().ParseFile(open(sys.argv[1], \"rb\"))' %s",
+             test_write(path, svg));
+    const bool parsed = system(command) == 0;
+    remove(path);
+    return parsed && strncmp(svg, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", 39) == 0 &&
+           strstr(svg, "nan") == NULL && strstr(svg, "inf") == NULL;
 }
 
 static void test_ticks(void)
