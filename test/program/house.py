@@ -51,7 +51,7 @@ C_LIBRARY = {name + ".h" for name in """
 # Functions of <math.h> that C libraries round differently, or that some emulated processors have wrong: see
 # data/maths/elementary.c, which has them, or lists what may be called instead.
 NOT_ALIKE = {name + width for width in ("", "f", "l") for name in """
-    acos asin atan atan2 cos sin tan acosh asinh atanh cosh sinh tanh exp exp2 expm1 log log10 log1p log2 cbrt hypot pow erf erfc
+    acos asin atan atan2 cos sin sincos tan acosh asinh atanh cosh sinh tanh exp exp2 exp10 expm1 log log10 log1p log2 cbrt hypot pow erf erfc
     lgamma tgamma remquo""".split()}
 FORBIDDEN_NAMES = set("""
     finish setting part use products trials truth body tally samples weighing keyword""".split())
