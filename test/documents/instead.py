@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 from osgeo import gdal
@@ -28,22 +29,21 @@ def prepare():
     shutil.rmtree(FOLDER, ignore_errors=True)
     shutil.copytree("data/samples", FOLDER)
     for name, text in (("a.scene", SCENE), ("failing.scene", SCENE), ("list.txt", "a.scene -o listed.tif\n")):
-        with open(os.path.join(FOLDER, name), "w", encoding="ascii") as out:
-            out.write(text)
+        Path(FOLDER, name).write_text(text, encoding="ascii")
     cube = gdal.GetDriverByName("ENVI").Create(os.path.join(FOLDER, "cube.img"), 6, 4, 3, gdal.GDT_Float32)
     for band in range(3):
         cube.GetRasterBand(band + 1).WriteArray(np.full((4, 6), 0.25 * (band + 1), np.float32))
     del cube
     with open(os.path.join(FOLDER, "cube.hdr"), "a", encoding="ascii") as header:
         header.write("wavelength units = Nanometers\nwavelength = {450, 550, 650}\n")
-    with open("data/doc/parts.md", encoding="utf-8") as page, open(os.path.join(FOLDER, "Makefile"), "w", encoding="ascii") as out:
-        out.write(re.search(r"^```make Makefile\n(.*?)^```", page.read(), re.DOTALL | re.MULTILINE).group(1))
+    page = Path("data/doc/parts.md").read_text(encoding="utf-8")
+    Path(FOLDER, "Makefile").write_text(re.search(r"^```make Makefile\n(.*?)^```", page, re.DOTALL | re.MULTILINE).group(1), encoding="ascii")
 
 
 def commands():
     """The words behind backticks that begin with the name of a program."""
-    with open("CHANGELOG.md", encoding="utf-8") as file:
-        rows = re.search(r"^\| was \| use instead \|\n\|[-|]+\|\n((?:\|.*\n)+)", file.read(), re.MULTILINE).group(1).splitlines()
+    changes = Path("CHANGELOG.md").read_text(encoding="utf-8")
+    rows = re.search(r"^\| was \| use instead \|\n\|[-|]+\|\n((?:\|.*\n)+)", changes, re.MULTILINE).group(1).splitlines()
     for row in rows:
         right = re.split(r"(?<!\\)\|", row)[2].replace("\\|", "|")
         for command in re.findall(r"`([^`]+)`", right):

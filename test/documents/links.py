@@ -5,15 +5,20 @@
 the rooms and test/README.md name files that exist, and the maps list each room. Prints TAP."""
 import os
 import re
+from pathlib import Path
 
 from tap import check, done
 
 LINK = re.compile(r"\[[^]]*\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
 
 
+def read(path):
+    return Path(path).read_text(encoding="utf-8")
+
+
 def names_of(top):
     """The files and folders below a folder, as paths."""
-    return {os.path.normpath(os.path.join(folder, name)) for folder, folders, names in os.walk(top) for name in folders + names}
+    return {str(path) for path in Path(top).rglob("*")}
 
 
 def lost(path, text, known):
@@ -44,20 +49,13 @@ def strangers(text, top):
 
 
 def defines(top, name):
-    for folder, _, files in os.walk(top):
-        for file in files:
-            if file.endswith(".c"):
-                with open(f"{folder}/{file}", encoding="utf-8") as source:
-                    if re.search(rf"^[A-Za-z][\w *]*\b{name}\(", source.read(), re.MULTILINE):
-                        return True
-    return False
+    return any(re.search(rf"^[A-Za-z][\w *]*\b{name}\(", read(path), re.MULTILINE) for path in Path(top).rglob("*.c"))
 
 
 def check_names():
     known = set.union(*map(names_of, ("data", "raster", "test", ".ci"))) | set(os.listdir("."))
     for path in "CONTRIBUTING.md", "data/README.md", "raster/README.md", "test/README.md":
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
+        text = read(path)
         found = list(lost(path, text, known))
         check(not found, f"{path}: each file that it names exists", *found)
         planted = f"See `text/planted.c`, `planted.py` or data/planted.\n`text.c`, `STACK.tif` and data/text/text.c exist.\n{text}"
@@ -74,16 +72,12 @@ def check_names():
 
 
 def anchors(path):
-    with open(path, encoding="utf-8") as file:
-        headings = re.findall(r"^#+ (.*)$", file.read(), re.MULTILINE)
-    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in re.findall(r"^#+ (.*)$", read(path), re.MULTILINE)}
 
 
 def check_links(path):
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
     bad = []
-    for target, anchor in LINK.findall(re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)):
+    for target, anchor in LINK.findall(re.sub(r"^```.*?^```$", "", read(path), flags=re.MULTILINE | re.DOTALL)):
         if target.startswith("http"):
             continue
         file = os.path.normpath(os.path.join(os.path.dirname(path), target)) if target else path
@@ -96,8 +90,7 @@ check_names()
 pages = sorted("data/doc/" + name for name in os.listdir("data/doc"))
 for each in ["README.md", *pages]:
     check_links(each)
-with open("README.md", encoding="utf-8") as readme:
-    linked = readme.read()
+linked = read("README.md")
 for each in pages:
     check(f"({each}" in linked, f"README links {each}")
 done()

@@ -16,6 +16,7 @@ renewed_page | diff spectral.1 - >"$tmp/err"
 ok $? "the page lists the options of --help; test/documents/manual.sh renew renews the list"
 mandoc -Tascii spectral.1 | col -bx >"$tmp/page"
 exits 0 "--help prints the usage" "$SPECTRAL" --help
+prints '^usage: ' "the usage is on standard output"
 options() { grep -Eo -- '(^|[ ,=])--?[a-z][a-z-]*' "$1" | tr -d ' ,=' | LC_ALL=C sort -u; }
 [ "$(wc -l <"$tmp/out")" -le 40 ]
 ok $? "it fits a screen of 40 lines"

@@ -18,6 +18,7 @@ import os
 import re
 import shutil
 import sys
+from pathlib import Path
 
 from documents import FOLDER, put_in_path, run
 from rendered import TMP, check, done
@@ -66,8 +67,7 @@ def check_scene(page, text):
     lines = [line for line in text.splitlines() if line.strip()]
     defined = set(re.findall(r"^material (\S+)", text, re.MULTILINE))
     others = [line for line in MATERIALS.splitlines() if not line or line.split()[1] not in defined]
-    with open("lines.scene", "w", encoding="utf-8") as out:
-        out.write("\n".join(others + lines) + "\n")
+    Path("lines.scene").write_text("\n".join(others + lines) + "\n", encoding="utf-8")
     result = run("spectral", "plan", "lines.scene")
     check(result.returncode == 0, f"{page}: a scene can have these lines: {lines[0]} ...", result.stdout)
 
@@ -78,21 +78,18 @@ def check_block(page, language, info, text):
     if language == "console":
         check_console(page, text)
     elif info and info != "full":
-        with open(info, "w", encoding="utf-8") as out:
-            out.write(text)
+        Path(info).write_text(text, encoding="utf-8")
     elif language == "scene":
         check_scene(page, text)
     else:
         file = "block." + language
-        with open(file, "w", encoding="utf-8") as out:
-            out.write(text.replace(INSTALLED, os.path.join(ROOT, "data/samples")))
+        Path(file).write_text(text.replace(INSTALLED, os.path.join(ROOT, "data/samples")), encoding="utf-8")
         result = run(*(["sh", "-e"] if language == "sh" else [sys.executable]), file)
         check(result.returncode == 0, f"{page}: it runs: {text.splitlines()[0]} ...", result.stdout)
 
 
 def check_page(path):
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
+    text = Path(path).read_text(encoding="utf-8")
     page = os.path.basename(path)
     if page in OWN:
         return

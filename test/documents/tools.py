@@ -3,7 +3,7 @@
 # level: release; packages: python3-numpy python3-tifffile python3-pil chromium gdal-bin imagemagick libgdk-pixbuf2.0-bin file python3-spectral octave
 """Runs the commands of the table in data/doc/tools.md with the real tools. Each row says whether a tool opens a stack, and
 whether it shows the wavelength and the radiance scale of a page; the tool must print as much, and no more. Readers that
-compare every sample are in stack_readers.sh and recipes.py. Prints TAP."""
+compare every sample are in stack_readers.py and recipes.py. Prints TAP."""
 import base64
 import os
 import re
@@ -20,7 +20,7 @@ from rendered import TMP, check, done
 COLUMNS = "tool", "opens the stack", "wavelengths", "radiance scale", "command", "otherwise", "verified by"
 STACK = os.path.join(TMP, "stack.tif")
 # Rows without a command that this test can run as it stands.
-OTHERS = {"ImageJ 1.53": "`stack_readers.sh`", "QGIS": "not run", "ISETCam's loader": "not run", "MATLAB": "not run",
+OTHERS = {"ImageJ 1.53": "`stack_readers.py`", "QGIS": "not run", "ISETCam's loader": "not run", "MATLAB": "not run",
           "a browser: Chromium": "`tools.py`"}
 
 

@@ -3,10 +3,11 @@
 # Makes data/builtin/materials/colorchecker/*.txt and colorchecker.list again, from the measurements in the
 # Debian package psychtoolbox-3-common: `test/make/colorchecker.py FOLDER` writes both into FOLDER.
 # The repository keeps them; this script shows the source of each figure.
-import os
 import sys
 
 import scipy.io
+
+from material_files import write
 
 SOURCE = ("/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles/"
           "sur_macbeth.mat")
@@ -42,26 +43,18 @@ def material(number, reflectances, wavelengths):
 
 
 def list_of_materials():
-    lines = ["# The 24 patches of the ColorChecker chart, row by row from the top left.\n"
-             "# Source and licence: in each file.\n"]
-    for number in range(1, len(NAMES) + 1):
-        lines.append("colorchecker/%s\n" % file_name(number))
-    return "".join(lines)
-
-
-def write(path, text):
-    with open(path, "w", encoding="ascii") as out:
-        out.write(text)
+    return "".join(["# The 24 patches of the ColorChecker chart, row by row from the top left.\n"
+                    "# Source and licence: in each file.\n",
+                    *("colorchecker/%s\n" % file_name(number) for number in range(1, len(NAMES) + 1))])
 
 
 def main(folder):
     source = scipy.io.loadmat(SOURCE)
     start, step, count = (int(number) for number in source["S_macbeth"][0])
     wavelengths = [start + step * index for index in range(count)]
-    os.makedirs(os.path.join(folder, "colorchecker"), exist_ok=True)
-    write(os.path.join(folder, "colorchecker.list"), list_of_materials())
+    write(folder + "/colorchecker.list", list_of_materials())
     for number in range(1, len(NAMES) + 1):
-        write(os.path.join(folder, "colorchecker", file_name(number) + ".txt"),
+        write("%s/colorchecker/%s.txt" % (folder, file_name(number)),
               material(number, source["sur_macbeth"][:, number - 1], wavelengths))
 
 

@@ -56,37 +56,24 @@ SEEN = {
 }
 
 
-def readme_files():
-    """the files that README gives: ```scene my.scene"""
-    with open("README.md", encoding="utf-8") as readme:
-        blocks = re.findall(r"^```\w+ (\S+[.]\S+)\n(.*?)^```$", readme.read(), re.MULTILINE | re.DOTALL)
-    return dict(blocks)
+def run(*words):
+    subprocess.run([SPECTRAL, *words, "--quiet"], check=True, cwd=WORK)
 
 
 def make(folder, name, scene, size, rendered, developed):
-    picture = os.path.abspath(os.path.join(folder, name + ".png"))
-    files = readme_files()
-    means = () if scene in files else SMOOTH  # README shows the commands of its own scene
-    with tempfile.TemporaryDirectory() as work:  # the picture records the name of its stack, as it is given
-        for file, text in files.items():
-            with open(os.path.join(work, file), "w", encoding="utf-8") as out:
-                out.write(text)
-        for words in (("render", scene, "--size", size, *means, "-o", name + ".tif", *rendered),
-                      ("develop", name + ".tif", "-o", picture, *developed)):
-            subprocess.run([SPECTRAL, *words, "--quiet"], check=True, cwd=work)
+    means = () if scene == "my.scene" else SMOOTH  # README shows the commands of its own scene
+    # the picture records the name of its stack, as it is given
+    run("render", scene, "--size", size, *means, "-o", name + ".tif", *rendered)
+    run("develop", name + ".tif", "-o", os.path.abspath(os.path.join(folder, name + ".png")), *developed)
 
 
 def show_map(folder, name, scene, width, height, half):
-    with tempfile.TemporaryDirectory() as work:
-        path = os.path.join(work, "map.png")
-        subprocess.run([SPECTRAL, "render", scene, "--size", f"{width}x{height}", "-o", "/dev/null", "--quiet",
-                        "--check-map", path], check=True)
-        with Image.open(path) as image:
-            image.crop((half * width, 0, (half + 1) * width, height)).save(os.path.join(folder, name + ".png"))
+    run("render", scene, "--size", f"{width}x{height}", "-o", "/dev/null", "--check-map", "map.png")
+    opened("map").crop((half * width, 0, (half + 1) * width, height)).save(os.path.join(folder, name + ".png"))
 
 
-def opened(work, name):
-    with Image.open(os.path.join(work, name + ".png")) as image:
+def opened(name):
+    with Image.open(os.path.join(WORK, name + ".png")) as image:
         return image.convert("RGB")
 
 
@@ -100,30 +87,24 @@ def pasted(folder, name, size, *parts):
 
 def room_checked(folder):
     """The room by day and by lamplight, above the map of its check."""
-    with tempfile.TemporaryDirectory() as work:
-        make(work, "day", "room", "420x280", (), AUTO)
-        make(work, "lamp", "room", "420x280", ALL_A, AUTO + ("--adaptation", "fairchild"))
-        subprocess.run([SPECTRAL, "render", "room", "--size", "420x280", "-o", "/dev/null", "--quiet", "--check-map",
-                        os.path.join(work, "map.png")], check=True)
-        day, lamp, checked = (opened(work, name) for name in ("day", "lamp", "map"))
-        pasted(folder, "room-checked", (840, 560), (day, (0, 0)), (lamp, (420, 0)), (checked, (0, 280)))
+    make(WORK, "day", "room", "420x280", (), AUTO)
+    make(WORK, "lamp", "room", "420x280", ALL_A, AUTO + ("--adaptation", "fairchild"))
+    run("render", "room", "--size", "420x280", "-o", "/dev/null", "--check-map", "map.png")
+    pasted(folder, "room-checked", (840, 560), (opened("day"), (0, 0)), (opened("lamp"), (420, 0)), (opened("map"), (0, 280)))
 
 
 def metamers(folder):
     """Metameric pairs by day, under a lamp, and to a camera."""
-    with tempfile.TemporaryDirectory() as work:
-        for number, (rendered, developed) in enumerate(METAMERS):
-            make(work, str(number), "metamers", "300x150", rendered, developed)
-        pasted(folder, "metamers", (900, 150), *((opened(work, str(number)), (300 * number, 0)) for number in range(3)))
+    for number, (rendered, developed) in enumerate(METAMERS):
+        make(WORK, str(number), "metamers", "300x150", rendered, developed)
+    pasted(folder, "metamers", (900, 150), *((opened(str(number)), (300 * number, 0)) for number in range(3)))
 
 
 def difference(folder):
     """The map that `compare` makes of the stacks of README."""
-    with tempfile.TemporaryDirectory() as work:
-        for name, options in ("vertices", ()), ("pixels", ("--shading", "phong", "--renderer", "raster")):
-            subprocess.run([SPECTRAL, "render", "metals", "--size", "450x300", *options, "-o", name + ".tif", "--quiet"], check=True, cwd=work)
-        subprocess.run([SPECTRAL, "compare", "vertices.tif", "pixels.tif", "--map",
-                        os.path.abspath(os.path.join(folder, "difference.png")), "--tolerance", "20dE00", "--quiet"], check=True, cwd=work)
+    for name, options in ("vertices", ()), ("pixels", ("--shading", "phong", "--renderer", "raster")):
+        run("render", "metals", "--size", "450x300", *options, "-o", name + ".tif")
+    run("compare", "vertices.tif", "pixels.tif", "--map", os.path.abspath(os.path.join(folder, "difference.png")), "--tolerance", "20dE00")
 
 
 OTHERS = {"room-checked": room_checked, "metamers": metamers, "difference": difference}
@@ -135,30 +116,34 @@ def plot_size(path):
 
 
 def see(folder, name, command, ending, size, click):
-    with tempfile.TemporaryDirectory() as work:
-        page = os.path.join(work, f"{name}.{ending}")
-        subprocess.run([SPECTRAL + "-live" if click else SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
-        browser = Browser(os.path.join(work, "browser"))
-        browser.size(*(size or plot_size(page)))
-        browser.send("Page.navigate", url="file://" + page)
-        browser.wait(f"location.href.endsWith('{ending}') && document.readyState === 'complete'")
-        if click:
-            browser.wait("document.body.dataset.ready === 'true'")
-            browser.wait("document.getElementById('gallery').hidden || document.body.dataset.gallery === 'true'")
-            browser.click(*click)
-            browser.evaluate("new Promise(requestAnimationFrame)")
-        shot = browser.send("Page.captureScreenshot", format="png")["data"]
-        browser.close()
+    page = os.path.join(WORK, f"{name}.{ending}")
+    subprocess.run([SPECTRAL + "-live" if click else SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
+    browser = Browser(os.path.join(WORK, "browser"))
+    browser.size(*(size or plot_size(page)))
+    browser.send("Page.navigate", url="file://" + page)
+    browser.wait(f"location.href.endsWith('{ending}') && document.readyState === 'complete'")
+    if click:
+        browser.wait("document.body.dataset.ready === 'true'")
+        browser.wait("document.getElementById('gallery').hidden || document.body.dataset.gallery === 'true'")
+        browser.click(*click)
+        browser.evaluate("new Promise(requestAnimationFrame)")
+    shot = browser.send("Page.captureScreenshot", format="png")["data"]
+    browser.close()
     with Image.open(io.BytesIO(base64.b64decode(shot))) as image:  # 256 colours are enough for pages and plots
         image.convert("RGB").quantize(256).save(os.path.join(folder, name + ".png"), optimize=True)
 
 
-for each in sys.argv[2:] or [*PICTURES, *OTHERS, *MAPS, *SEEN]:
-    if each in OTHERS:
-        OTHERS[each](sys.argv[1])
-    elif each in MAPS:
-        show_map(sys.argv[1], each, *MAPS[each])
-    elif each in SEEN:
-        see(sys.argv[1], each, *SEEN[each])
-    else:
-        make(sys.argv[1], each, *PICTURES[each])
+with tempfile.TemporaryDirectory() as WORK:
+    with open("README.md", encoding="utf-8") as readme:  # has the files of my.scene: ```scene my.scene
+        for file, text in re.findall(r"^```\w+ (\S+[.]\S+)\n(.*?)^```$", readme.read(), re.MULTILINE | re.DOTALL):
+            with open(os.path.join(WORK, file), "w", encoding="utf-8") as out:
+                out.write(text)
+    for each in sys.argv[2:] or [*PICTURES, *OTHERS, *MAPS, *SEEN]:
+        if each in OTHERS:
+            OTHERS[each](sys.argv[1])
+        elif each in MAPS:
+            show_map(sys.argv[1], each, *MAPS[each])
+        elif each in SEEN:
+            see(sys.argv[1], each, *SEEN[each])
+        else:
+            make(sys.argv[1], each, *PICTURES[each])

@@ -7,6 +7,8 @@ import os
 import sys
 from decimal import Context, Decimal
 
+from material_files import write
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 COMPONENTS = HERE + "/../../data/builtin/daylight/components.csv"
 HEAD = """\
@@ -82,8 +84,7 @@ def main(folder):
         tables[name] = text(values, title=title, source=COLOUR[0].format(figure=figures[560]),
                             original=original + ", Colorimetry", licence=COLOUR[1])
     for name, content in tables.items():
-        with open(f"{folder}/{name}.csv", "w", encoding="ascii") as out:
-            out.write(content)
+        write(f"{folder}/{name}.csv", content)
 
 
 main(sys.argv[1])

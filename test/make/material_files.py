@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Shared by the makers of the sample materials. They compute in decimal, so that they write the same digits
+# Shared by the makers of built-in files. Those of materials compute in decimal, so that they write the same digits
 # on every machine.
 import decimal
 import os

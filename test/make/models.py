@@ -4,8 +4,9 @@
 `test/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1. Only the backdrop
 has them as texture coordinates, too; without them a mesh is smaller. MIT licence."""
 import math
-import os
 import sys
+
+from material_files import write
 
 # Radius and height at the corners of outlines, from the middle of the foot to the bottom inside. Negative numbers
 # mark sharp corners (the sign of the radius only).
@@ -168,12 +169,10 @@ def divided(levels):
 def main(folder):
     for levels in range(4):
         what = f"# A tetrahedron in a sphere of radius 1, divided {levels} times into that sphere. Made by test/make/models.py."
-        with open(os.path.join(folder, f"tetrahedron{-levels or ''}.obj"), "w", encoding="ascii") as out:
-            out.write("\n".join([what, "# MIT licence.", *divided(levels)]) + "\n")
+        write(f"{folder}/tetrahedron{-levels or ''}.obj", "\n".join([what, "# MIT licence.", *divided(levels)]) + "\n")
     for name, (what, parts) in MODELS.items():
         lines = [f"# {what[0].upper()}{what[1:]}. Made by test/make/models.py.", "# MIT licence.", *mesh(parts, name == "cove")]
-        with open(os.path.join(folder, name + ".obj"), "w", encoding="ascii") as out:
-            out.write("\n".join(lines) + "\n")
+        write(f"{folder}/{name}.obj", "\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from decimal import Decimal
 
 import scipy.io
 
+from material_files import write
+
 SOURCE = "/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles/"
 HEAD = """\
 # {title}.
@@ -47,8 +49,7 @@ def table(name):
 
 def main(folder):
     for name in OBSERVERS:
-        with open("%s/%s.csv" % (folder, name), "w", encoding="ascii") as out:
-            out.write(table(name))
+        write("%s/%s.csv" % (folder, name), table(name))
 
 
 main(sys.argv[1])

@@ -7,7 +7,7 @@ left; where an allocation fails, the line names memory. Calls that a signal inte
 give the right result.
 
 Without SOAK=1 (`test release`) only some calls of each kind are tried. A fault is printed with the words of FAIL that show it again.
-Words behind test/program/attack.py are the names of the commands to run. Prints TAP, and a table of all runs."""
+Words behind test/program/attack.py are the names of the commands to run. Prints TAP, and what became of all runs."""
 import collections
 import concurrent.futures
 import errno
@@ -46,8 +46,6 @@ NAMING = "rename", "link"
 ALLOWED = {"unlink": {"file left"}}  # a file that cannot be removed stays
 LACKS = re.compile("memory|MiB|libtiff|thread|shared object")
 WITHOUT_TIFF = "plan --json", "list", "show"  # nothing crashes there; elsewhere libtiff does: see trust.md
-COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
-           "not one line", "hangs", "input changed", "wrong words")
 
 
 def spread(count, most, phase):
@@ -91,25 +89,9 @@ def attacks(form, counts, phase):
         yield Attack("storm", fail, None)
 
 
-class Tried:
-    """The runs of one attack of a form, and what was wrong in them."""
-
-    def __init__(self):
-        self.sums = collections.Counter()
-        self.wrong = []
-
-    def add(self, attack, run, found, expected):
-        self.sums["tried"] += 1
-        if found:
-            self.wrong.append((attack, run, found))
-            self.sums.update(found)
-        else:
-            self.sums["right result" if run.status == expected[0] else "exit 3"] += 1
-
-    def remarks(self):
-        return [f"{attack.fail} of generation {attack.depth}: {', '.join(sorted(found))}; status {run.status}"
-                f"{''.join(' ' + line[:160] for line in error_lines(run)[:2])} {' '.join(run.temporary)}"
-                for attack, run, found in self.wrong[:None if FULL else 20]]
+def remark(attack, run, found):
+    return f"{attack.fail} of generation {attack.depth}: {', '.join(sorted(found))}; status {run.status}" \
+        f"{''.join(' ' + line[:160] for line in error_lines(run)[:2])} {' '.join(run.temporary)}"
 
 
 def prepare(form, places):
@@ -153,17 +135,6 @@ def attempt(place_queue, form, attack, older, expected, longest):
         place_queue.put(place)
 
 
-def print_table(table):
-    print("#", "attack", "command", *COLUMNS, sep=" | ")
-    totals = collections.defaultdict(collections.Counter)
-    for (family, name), tried in table.items():
-        totals[family].update(tried.sums)
-        if FULL or tried.wrong:
-            print("#", family, name, *(tried.sums[column] for column in COLUMNS), sep=" | ")
-    for family, sums in totals.items():
-        print("#", family, "all", *(sums[column] for column in COLUMNS), sep=" | ")
-
-
 def main():
     forms = [form for form in FORMS if not sys.argv[1:] or form.name in sys.argv[1:]]
     shutil.rmtree(TMP, ignore_errors=True)
@@ -172,22 +143,23 @@ def main():
     place_queue = queue.Queue()
     for place in places:
         place_queue.put(place)
-    table = {}
+    became = collections.defaultdict(collections.Counter)
     with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
         for i, form in enumerate(forms):
             expected, counts, longest = prepare(form, places)
             # older files lie there in every second run
             jobs = [(attack, pool.submit(attempt, place_queue, form, attack, j % 2 == 1, expected, longest))
                     for j, attack in enumerate(attacks(form, counts, (i * 0.381966 + 0.2) % 1))]
-            for attack, job in jobs:
-                tried = table.setdefault((attack.family, form.name), Tried())
-                tried.add(attack, *job.result(), expected)
             for family, (words, may_refuse) in FAMILIES.items():
-                tried = table.get((family, form.name))
+                tried = [(attack, *job.result()) for attack, job in jobs if attack.family == family]
+                for _, run, found in tried:
+                    became[family].update(found or ["right result" if run.status == expected[0] else "exit 3"])
+                wrong = [remark(*row) for row in tried if row[2]]
                 if tried:
-                    check(not tried.wrong, f"{form.name}: {words}: the right result{' or none' if may_refuse else ''}",
-                          f"{len(tried.wrong)} of {tried.sums['tried']}", *tried.remarks())
-    print_table(table)
+                    check(not wrong, f"{form.name}: {words}: the right result{' or none' if may_refuse else ''}",
+                          f"{len(wrong)} of {len(tried)}", *wrong[:None if FULL else 20])
+    for family, sums in became.items():
+        print(f"# {family}:", ", ".join(f"{what} {n}" for what, n in sums.items()))
     shutil.rmtree(TMP, ignore_errors=True)
     done()
 

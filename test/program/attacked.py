@@ -9,6 +9,7 @@ import shutil
 import signal
 import struct
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import tifffile
@@ -80,8 +81,7 @@ def make_inputs(folder):
     os.makedirs(folder)
     pixels = np.random.default_rng(1).random((len(NM), HEIGHT, WIDTH)).astype(np.float32)
     for name, text in TEXTS.items():
-        with open(os.path.join(folder, name), "w") as out:
-            out.write(text)
+        Path(folder, name).write_text(text)
     tifffile.imwrite(os.path.join(folder, "grey.tif"), (pixels[0] * 255).astype(np.uint8), photometric="minisblack")
     with tifffile.TiffWriter(os.path.join(folder, "foreign.tif")) as out:
         for page, nm in zip(pixels, NM):
@@ -208,13 +208,11 @@ class Place:
                 if os.path.lexists(self.path(name, left)):
                     os.remove(self.path(name, left))
         for output in files_of(a_form) if older else ():
-            with open(self.path(output), "wb") as out:
-                out.write(OLDER)
+            Path(self.path(output)).write_bytes(OLDER)
 
     def environment_of(self, a_form, attack=None, depth=None):
         """The variables that load the library; attack None: it only counts."""
-        with open(self.report, "wb") as out:
-            out.truncate(REPORT_BYTES)
+        Path(self.report).write_bytes(bytes(REPORT_BYTES))
         more = {"LD_PRELOAD": rendered.FAIL, "FAIL_REPORT": self.report}
         if attack:
             more["FAIL"] = attack
@@ -252,13 +250,12 @@ class Place:
     def outputs(self):
         found = {}
         for name in os.listdir(self.path("out")):
-            if os.path.isdir(self.path("out", name)):
-                whole = b"".join(rendered.bytes_of(os.path.join(top, inner)) for top, _, inside in sorted(os.walk(self.path("out", name)))
-                                 for inner in sorted(inside))
+            path = Path(self.path("out", name))
+            if path.is_dir():
+                whole = b"".join(inner.read_bytes() for inner in sorted(path.rglob("*")) if inner.is_file())
                 found[f"out/{name}/"] = whole.replace(os.path.realpath(self.folder).encode(), b"")
-                continue
-            with open(self.path("out", name), "rb") as file:
-                found["out/" + name] = file.read()
+            else:
+                found["out/" + name] = path.read_bytes()
         return found
 
 
@@ -266,8 +263,7 @@ class Report:
     """The report of the library: calls by generation and kind."""
 
     def __init__(self, path):
-        with open(path, "rb") as file:
-            data = file.read()
+        data = Path(path).read_bytes()
         names = [data[i * NAME:(i + 1) * NAME].split(b"\0")[0].decode() for i in range(KINDS)]
         at = KINDS * NAME
         n_processes, = struct.unpack_from("Q", data, at)

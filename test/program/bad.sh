@@ -40,6 +40,9 @@ refuses_each meshes
 scene='material m { diffuse FILE }
 object plane 1 1 material m'
 refuses_each tables
+scene='material m FILE
+object plane 1 1 material m'
+refuses_each materials
 scene='material m { diffuse 0.6 donaldson FILE }
 object plane 1 1 material m
 light d65 1 direction 0 0 1'

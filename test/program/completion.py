@@ -8,6 +8,7 @@ import pty
 import re
 import subprocess
 import time
+from pathlib import Path
 
 from tap import check, done
 
@@ -46,15 +47,13 @@ class Shell:
             path = os.path.dirname(PROGRAM) + ":" + os.environ["PATH"]
             os.environ.update(TERM="dumb", PATH=path, INPUTRC="/dev/null")
             os.execvp(command[0], command)
-        with open(os.path.join(FOLDER, "settings"), "w", encoding="utf-8") as file:
-            file.write(settings)
+        Path(FOLDER, "settings").write_text(settings, encoding="utf-8")
         self.answer("source ./settings; echo . >dump\r".encode())
 
     def answer(self, keys, seconds=20):
         """Types keys, and returns the content of the file `dump` that the shell then makes."""
-        dump = os.path.join(FOLDER, "dump")
-        if os.path.exists(dump):
-            os.unlink(dump)
+        dump = Path(FOLDER, "dump")
+        dump.unlink(missing_ok=True)
         os.write(self.terminal, keys)
         os.set_blocking(self.terminal, False)
         end = time.monotonic() + seconds
@@ -64,9 +63,8 @@ class Shell:
                 screen += os.read(self.terminal, 65536)
             except BlockingIOError:
                 time.sleep(0.002)
-            if os.path.exists(dump):
-                with open(dump, encoding="utf-8") as file:
-                    return file.read().strip().removesuffix(".")
+            if dump.exists():
+                return dump.read_text(encoding="utf-8").strip().removesuffix(".")
         return "no answer; the screen: " + repr(screen[-300:])
 
     def completions(self, line):
@@ -199,8 +197,7 @@ def test_choices():
 def main():
     os.makedirs(os.path.join(FOLDER, "folder"), exist_ok=True)
     for file in ("a.tif", "two.tif", "my.scene", "page.html", "seen.png", "cube.hdr", "other.txt"):
-        with open(os.path.join(FOLDER, file), "w", encoding="utf-8"):
-            pass
+        Path(FOLDER, file).touch()
     test_shell("bash", Shell(["bash", "--norc", "--noprofile", "-i"], BASH.format(sources=SOURCES)))
     test_shell("zsh", Shell(["zsh", "-f", "-i"], ZSH.format(sources=SOURCES)))
     test_shell("fish", Fish())

@@ -48,6 +48,7 @@
 #include "test/shared/preload.h"
 
 enum { OWN, GL, THREAD, FORK, CALLS }; /* kinds; then the rows of calls */
+static const char *const kinds[CALLS] = {"own", "gl", "thread", "fork"};
 enum { KINDS = 64, PROCESSES = 64, OBJECTS = 128, NAME = 16 };
 
 /* flags of a system call */
@@ -387,6 +388,7 @@ static long answer(const struct call *call, const greg_t *registers)
     if (attack.nameless && is_nameless(call, registers))
         return -EOPNOTSUPP;
     const int kind = CALLS + first_row(call->name);
+    const long failure = -(attack.error ? attack.error : call->usual_error);
     greg_t length = registers[REG_RDX];
     bool fails = false;
     if (!is_message(call, registers)) {
@@ -399,10 +401,10 @@ static long answer(const struct call *call, const greg_t *registers)
     if (fails && attack.cuts)
         length = (length + 1) / 2;
     else if (fails && !(call->flags & DONE_ANYWAY))
-        return -(attack.error ? attack.error : call->usual_error);
+        return failure;
     const long result = fail_call(call->number, registers[REG_RDI], registers[REG_RSI], length,
                                   registers[REG_R10], registers[REG_R8], registers[REG_R9]);
-    return fails && !attack.cuts ? -(attack.error ? attack.error : call->usual_error) : result;
+    return fails && !attack.cuts ? failure : result;
 }
 
 static void on_call(int number, siginfo_t *info, void *context)
@@ -417,16 +419,11 @@ static struct sock_filter load(size_t offset)
     return (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS, (uint32_t)offset);
 }
 
-static struct sock_filter jump_if(uint32_t value, int to, int otherwise)
+/* Jumps by a comparison with the value: BPF_JEQ, equal, or BPF_JGE, at least. */
+static struct sock_filter jump(int comparison, uint32_t value, int to, int otherwise)
 {
-    return (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, (uint8_t)to,
-                                        (uint8_t)otherwise);
-}
-
-static struct sock_filter jump_from(uint32_t value, int to, int otherwise)
-{
-    return (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, value, (uint8_t)to,
-                                        (uint8_t)otherwise);
+    return (struct sock_filter)BPF_JUMP((uint16_t)(BPF_JMP | comparison | BPF_K), value,
+                                        (uint8_t)to, (uint8_t)otherwise);
 }
 
 /* The libraries that make system calls. */
@@ -447,10 +444,10 @@ static void filter_caller(int caller, struct sock_filter *out)
     if (end >> 32 != begin >> 32) /* a jump compares the lower half of an address */
         end = begin | UINT32_MAX;
     out[0] = load(offsetof(struct seccomp_data, instruction_pointer) + 4);
-    out[1] = jump_if((uint32_t)(begin >> 32), 0, 3);
+    out[1] = jump(BPF_JEQ, (uint32_t)(begin >> 32), 0, 3);
     out[2] = load(offsetof(struct seccomp_data, instruction_pointer));
-    out[3] = jump_from((uint32_t)begin, 0, 1);
-    out[4] = jump_from((uint32_t)end, 0, (CALLERS - 1 - caller) * CALLER_STEPS + 1);
+    out[3] = jump(BPF_JGE, (uint32_t)begin, 0, 1);
+    out[4] = jump(BPF_JGE, (uint32_t)end, 0, (CALLERS - 1 - caller) * CALLER_STEPS + 1);
 }
 
 /* Traps the system calls of `calls`, unless the attack needs only some of them. */
@@ -470,9 +467,9 @@ static void filter_calls(void)
     struct sock_filter filter[2 * N_CALLS + CALLERS * CALLER_STEPS + 9];
     int n = 0;
     filter[n++] = load(offsetof(struct seccomp_data, instruction_pointer));
-    filter[n++] = jump_if((uint32_t)own, 0, 3);
+    filter[n++] = jump(BPF_JEQ, (uint32_t)own, 0, 3);
     filter[n++] = load(offsetof(struct seccomp_data, instruction_pointer) + 4);
-    filter[n++] = jump_if((uint32_t)(own >> 32), 0, 1);
+    filter[n++] = jump(BPF_JEQ, (uint32_t)(own >> 32), 0, 1);
     filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     for (int i = 0; i < CALLERS; i++, n += CALLER_STEPS)
         filter_caller(i, filter + n);
@@ -481,7 +478,7 @@ static void filter_calls(void)
     for (int i = 0; i < N_CALLS; i++) {
         if (!is_trapped(&calls[i]))
             continue;
-        filter[n++] = jump_if((uint32_t)calls[i].number, 0, 1);
+        filter[n++] = jump(BPF_JEQ, (uint32_t)calls[i].number, 0, 1);
         filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP);
     }
     filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
@@ -498,7 +495,6 @@ static void filter_calls(void)
 
 static int kind_named(const char *name)
 {
-    static const char *const kinds[CALLS] = {"own", "gl", "thread", "fork"};
     for (int i = 0; i < CALLS; i++)
         if (strcmp(name, kinds[i]) == 0)
             return i;
@@ -531,10 +527,8 @@ static void open_report(const char *path)
         abort();
     close(file);
     report = memory;
-    strcpy(report->names[OWN], "own");
-    strcpy(report->names[GL], "gl");
-    strcpy(report->names[THREAD], "thread");
-    strcpy(report->names[FORK], "fork");
+    for (int i = 0; i < CALLS; i++)
+        strcpy(report->names[i], kinds[i]);
     for (int i = 0; i < N_CALLS; i++)
         if (first_row(calls[i].name) == i)
             strcpy(report->names[CALLS + i], calls[i].name);

@@ -8,7 +8,6 @@ Signals end cost and export, which have folders, too. With SOAK=1 (`test release
 command, and 100,000 objects in a scene.
 Prints TAP, and the seconds that the program took to end."""
 import collections
-import itertools
 import os
 import random
 import resource
@@ -16,6 +15,7 @@ import shutil
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 from attacked import TMP, Place, Run, error_lines, faults, form, normal, on_old_file_systems, results
 from tap import check, done
@@ -64,8 +64,7 @@ class Job:
 
     def __init__(self, place, a_form):
         self.place, self.form = place, a_form
-        with open(place.path("in", "other.tif"), "rb") as file:
-            self.old = {"out/a.tif": file.read()} if "out/a.tif" in a_form.outputs else {}
+        self.old = {"out/a.tif": Path(place.path("in/other.tif")).read_bytes()} if "out/a.tif" in a_form.outputs else {}
         place.run(a_form, counted=False)  # fills the drivers' cache
         self.seconds = LONGEST_ORPHAN
         for _ in range(3):  # other processes may make some of them longer
@@ -80,21 +79,16 @@ class Job:
         if emptied:
             self.place.prepare(self.form, False)
         for name, data in self.old.items():
-            with open(self.place.path(name), "wb") as out:
-                out.write(data)
+            Path(self.place.path(name)).write_bytes(data)
         process = self.place.start(self.form)
         time.sleep(self.seconds * (part + random.random()) / parts)
         return process
 
     def files(self):
         """The content of all outputs and temporary files."""
-        found = {}
-        for top, _, names in itertools.chain(*(os.walk(self.place.path(name)) for name in ("out", "tmp"))):
-            for name in names:
-                path = os.path.relpath(os.path.join(top, name), self.place.folder)
-                with open(self.place.path(path), "rb") as file:
-                    found[path] = normal(self.form, path, file.read())
-        return found
+        paths = [path for name in ("out", "tmp") for path in Path(self.place.path(name)).rglob("*") if path.is_file()]
+        names = [os.path.relpath(path, self.place.folder) for path in paths]
+        return {name: normal(self.form, name, path.read_bytes()) for name, path in zip(names, paths)}
 
     def state(self, files):
         """old, new, or what else the files are."""

@@ -24,6 +24,7 @@ import shutil
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import tap
 from tap import check, done
@@ -49,8 +50,7 @@ class Mutant:
 
 
 def read_list():
-    with open(LIST, encoding="utf-8") as file:
-        lines = [line for line in file.read().split("\n") if not line.startswith("#")]
+    lines = [line for line in Path(LIST).read_text(encoding="utf-8").split("\n") if not line.startswith("#")]
     names = {}
     return [Mutant(block, names) for block in "\n".join(lines).split("\n\n") if block.strip()]
 
@@ -90,13 +90,11 @@ def run_test(folder, test):
 
 def noticed_by(folder, mutant):
     """Plants the fault, and takes it out again. Returns the test that notices it, and what else there is to say."""
-    path = os.path.join(folder, mutant.file)
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
+    path = Path(folder, mutant.file)
+    text = path.read_text(encoding="utf-8")
     if text.count(mutant.old) != 1:
         return None, f"the old text is {text.count(mutant.old)} times in {mutant.file}"
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text.replace(mutant.old, mutant.new))
+    path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
     try:
         for test in mutant.tests:
             said, status = run_test(folder, test)
@@ -107,8 +105,7 @@ def noticed_by(folder, mutant):
                     next((line.strip()[:110] for line in said.split("\n") if "not ok" in line), said[-110:])
         return None, "no test of these notices it: " + " ".join(mutant.tests)
     finally:
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        path.write_text(text, encoding="utf-8")
 
 
 def main():
@@ -119,8 +116,7 @@ def main():
     tap.found = bool(wanted)
     planted = [mutant for mutant in wanted if mutant.tests and mutant.whole]
     for mutant in wanted:
-        with open(mutant.file, encoding="utf-8") as file:
-            n = file.read().count(mutant.old)
+        n = Path(mutant.file).read_text(encoding="utf-8").count(mutant.old)
         check(n == 1, f"{mutant.name}: its old text is in {mutant.file} once", n, mutant.old)
     rooms = {os.path.dirname(mutant.file) for mutant in mutants}
     check(tap.ONLY or len([mutant for mutant in mutants if mutant.tests]) >= 80, "at least 80 faults are planted", len(mutants))

@@ -9,7 +9,7 @@ import subprocess
 
 import numpy as np
 
-from rendered import check, done, output_of, pages_of, path_of, run, write
+from rendered import bytes_of, check, done, output_of, pages_of, path_of, run, write
 
 SOURCE = "data/samples/one-page.c"
 BANDS = 31
@@ -24,8 +24,7 @@ def draw(name):
     return run(path_of(name + ".tif"), program=path_of(name))
 
 
-with open(SOURCE, encoding="ascii") as file:
-    source = file.read()
+source = bytes_of(SOURCE).decode("ascii")
 code = re.sub(r"/\*.*?\*/", "", source, flags=re.DOTALL)
 lines = [line for line in code.splitlines() if line.strip()]
 check(len(lines) <= 120 and '#include "' not in code, "the sample has at most 120 lines of code, and no header of ours", len(lines))

@@ -19,12 +19,16 @@ ENDINGS = {"STACK.tif": ".tif", "PICTURE.png": ".png", "PAGE.html": ".html", "FI
            "--maps": ".tif"}
 FORMS = "file", "-", "/dev/stdout", "folder", "fifo"
 STANDARD = FORMS[1:3]
+# With FULL=1 an output alone has also each of these names, which may be refused: without a usual ending, in capitals, of a place that
+# is not there, of a device. A name that decides the kind of an output decides its content.
+NAMES = ["page", "page.xyz", "PAGE.PNG", "PAGE.HTML", "PAGE.TIF", "page.", ".png", ".", "folder/", "missing/page.tif", "", "builtin:page.png",
+         "/dev/null", "/dev/full", "page.planes", "page.json"] if "FULL" in os.environ else []
 
 
 def value_of(option, form, folder):
     """The word behind the option, and the path at which its bytes are found."""
     name = os.path.join(folder, option["names"][-1].strip("-"))
-    if form in STANDARD:
+    if form in (*STANDARD, *NAMES):
         return form, None
     if form == "folder":
         os.makedirs(name)
@@ -50,7 +54,7 @@ def is_whole(option, content):
 def fault_of(command, words, options, forms):
     """Runs the command once; returns what is wrong, or nothing."""
     folder = os.path.abspath(path_of("_".join([command, str(WORDS[command].index(words)), *(o["names"][-1].strip("-") for o in options),
-                               *(form.replace("/", "") for form in forms)])))
+                               *(form.replace("/", "%") for form in forms)])))
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     named = [value_of(option, form, folder) for option, form in zip(options, forms)]
@@ -68,11 +72,13 @@ def fault_of(command, words, options, forms):
     if result.returncode not in (0, 1):
         left = [name for name in os.listdir(folder) if name not in [o["names"][-1].strip("-") for o in options]
                 and not name.endswith(".read")]
-        good = result.returncode == 2 and says.count("error:") == 1 and not left and not result.stdout
+        good = result.returncode in (2, 3 if "/dev/full" in forms else 2) and says.count("error:") == 1 and not left and not result.stdout
         return None if good else f"{line}: status {result.returncode}, {left}, {says}"
     for option, form, (_, path) in zip(options, forms, named):
         if form == "folder" and option["value"] != "FOLDER":
             return f"{line}: took a folder for {option['names'][-1]}"
+        if form in NAMES:
+            continue
         path = path + ".read" if form == "fifo" else path
         if form not in STANDARD and option["value"] == "FOLDER":
             content = b"yes" if os.path.isdir(path) else b""
@@ -93,6 +99,8 @@ def trials(command, options):
                     others = [form for form in forms if form != "file"]
                     if len(others) <= (not few) or (not few and set(others) <= set(STANDARD)):
                         yield words, some, forms
+        for option, name in itertools.product(() if command in SLOW else options, NAMES):
+            yield words, [option], [name]
 
 
 def main():

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 
-from rendered import FAULTS, SPECTRAL, SPOIL, TMP, check, done, write
+from rendered import FAULTS, SPECTRAL, SPOIL, TMP, bytes_of, check, done, write
 
 SCRIPT = os.path.abspath("data/samples/reduce.py")
 SMALL = ("--size", "150x100", "--wavelengths", "400:700:20")
@@ -39,8 +39,7 @@ def reduced(name, scene, *options, egl=False, **environment):
     result = run(sys.executable, SCRIPT, scene, folder, *options, **environment)
     check(result.returncode == 0 and os.path.exists(f"{folder}/case.scene"), f"{name}: the scene is made small", result.stdout, result.stderr)
     small = os.path.join(folder, "case.scene")
-    with open(small) as file:
-        text = file.read()
+    text = bytes_of(small).decode()
     wavelengths, size = (re.search(f"^{word} (.*)$", text, re.MULTILINE).group(1).split() for word in ("wavelengths list", "size"))
     check(len(wavelengths) <= 2 and int(size[0]) * int(size[1]) <= 60, f"{name}: to two wavelengths and 60 pixels at most", text)
     command = re.search(r"^    .*spectral.* render .*$", result.stdout, re.MULTILINE).group(0)
@@ -49,8 +48,7 @@ def reduced(name, scene, *options, egl=False, **environment):
     check(wrong.returncode == 1 and message in wrong.stderr.replace(folder + "/", ""), f"{name}: it fails by the command that is printed",
           command, wrong.stderr)
     check(right.returncode == 0, f"{name}: it agrees without the fault", right.stderr)
-    with open(os.path.join(folder, "case.c")) as file:
-        lines = file.read().count("\n")
+    lines = bytes_of(os.path.join(folder, "case.c")).count(b"\n")
     check(lines <= 200, f"{name}: case.c has at most 200 lines", lines)
     shows(name, folder, ["-lOSMesa"], [], environment)
     if egl:

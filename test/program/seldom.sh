@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # level: full
 # Messages and lines that are seldom seen: `./build.sh coverage` named those that no other test runs. Each is
-# compared with its words.
+# compared with its words. limits.py has those of limits.
 . test/shared/tap.sh
 
 small='--size 8x6 --wavelengths 400:700:50 --renderer raster --no-check -q'
@@ -18,13 +18,6 @@ run "$SPECTRAL" info "$tmp/gauss:3.tif"
 prints '^sampled for +cie1931$' "info prints the detector of other samplings"
 run "$SPECTRAL" plan patches --sampling basis:2
 prints '^bands +2$' "plan prints components"
-
-
-for i in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33; do
-    echo "include $((i + 1)).scene" >"$tmp/$i.scene"
-done
-echo 'light d65 1 direction 0 0 1' >"$tmp/34.scene"
-refuses 'more than 32 deep' "a chain of 34 includes" "$SPECTRAL" plan "$tmp/0.scene"
 
 run "$SPECTRAL" render patches --size 24x16 --wavelengths 400:700:150 -o /dev/null --check-map "$tmp/map.png"
 prints '^map colours ' "render says what the colours of a map mean"
@@ -58,16 +51,12 @@ cp "$tmp/checked.tif" "$name"
 run "$SPECTRAL" develop "$name" -o "$tmp/named.tif" -q
 grep -aq '/[?][?]lan[.]tif' "$tmp/named.tif"
 ok $? "bytes beyond ASCII are '?' in the description of a picture"
-yes 'object plane 1 1 material m' | head -n 65536 | cat "$tmp/near.scene" - >"$tmp/many.scene"
-refuses 'a page shows at most 65535 objects and parts; this scene has 65537' "view of too many objects" \
-    "$SPECTRAL" view "$tmp/many.scene" -o "$tmp/many.html"
 {
     printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'camera ortho 2' 'size 8192 1'
     for i in $(seq 70); do echo "light blackbody:$((2000 + i)) 1 position 0 0 $i"; done
 } >"$tmp/wide.scene"
 run "$SPECTRAL" plan "$tmp/wide.scene"
 prints '^  tiles +2$' "a pixel with many terms has narrower tiles"
-refuses 'at most 64 MB' "a line of 65 MB" sh -c 'head -c 68157440 /dev/zero | tr "\0" "#" | "$SPECTRAL" plan -'
 refuses 'the file has 257 MB; a text file has at most 256 MB' "a pipe that gives too long a text" \
     sh -c 'yes "# a comment" | head -c 268435457 | "$SPECTRAL" plan -'
 printf '%s\n' 'material m { diffuse 0.5 }' 'material black { diffuse 0 }' 'object plane 2 2 material m' \

@@ -11,6 +11,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import rendered
 from sanitized import TMP, tables
@@ -65,27 +66,19 @@ def make(folder):
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     for name, text in FILES.items():
-        with open(os.path.join(folder, name), "w") as out:
-            out.write(text)
+        Path(folder, name).write_text(text)
     shutil.copyfile("data/builtin/textures/dots.tif", os.path.join(folder, "grey.tif"))
     for words in ("-o stack.tif", "-o other.tif --light 1=a", "-o part.tif --part 1/1"):
         subprocess.run([SPECTRAL, "render", "a.scene", "--no-check", "-q", *words.split()], cwd=folder, check=True)
     subprocess.run([SPECTRAL, "export", "a.scene", "-o", "exported"], cwd=folder, check=True)
-    with open(os.path.join(folder, "exported", "scene.txt")) as exported, open(os.path.join(folder, "drawn.txt"), "w") as out:
-        out.write(re.search("^id .*\n", exported.read(), re.MULTILINE).group())
+    Path(folder, "drawn.txt").write_text(re.search("^id .*\n", Path(folder, "exported/scene.txt").read_text(), re.MULTILINE).group())
     shutil.rmtree(os.path.join(folder, "exported"))
     for name, contents in (("exported.txt", b"a.scene\n"), ("colours-0.bin", bytes(8 * 6 * 16))):  # a black picture
-        with open(os.path.join(folder, name), "wb") as out:
-            out.write(contents)
+        Path(folder, name).write_bytes(contents)
 
 
 def contents(folder):
-    found = {}
-    for name in os.listdir(folder):
-        if os.path.isfile(os.path.join(folder, name)):
-            with open(os.path.join(folder, name), "rb") as file:
-                found[name] = file.read()
-    return found
+    return {path.name: path.read_bytes() for path in Path(folder).iterdir() if path.is_file()}
 
 
 class Place:
@@ -98,14 +91,16 @@ class Place:
         self.inputs = contents(self.kept)
         self.tries, self.harmed = 0, []
 
-    def run(self, words):
-        """Runs the words among fresh inputs. Returns the exit status and the message; notes whether an input has changed."""
+    def run(self, line, links=()):
+        """Runs the words among fresh inputs, which may have more names. Returns the exit status and the message; notes whether an
+        input has changed."""
         shutil.rmtree(self.folder, ignore_errors=True)
         shutil.copytree(self.kept, self.folder)
-        for name, other in (words[1] if isinstance(words, tuple) else ()):
-            (os.symlink if name == "soft" else os.link)(
-                other if name == "soft" else os.path.join(self.folder, other), os.path.join(self.folder, name))
-        line = words[0] if isinstance(words, tuple) else words
+        for name, other in links:
+            if name == "soft":
+                os.symlink(other, os.path.join(self.folder, name))
+            else:
+                os.link(os.path.join(self.folder, other), os.path.join(self.folder, name))
         result = subprocess.run([SPECTRAL, *line], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.PIPE, text=True, timeout=300, check=False)
         after = contents(self.folder)
@@ -135,11 +130,11 @@ def main():
             place.run([command, *words, *quick(command), option, name])
         for option, name, other in itertools.product(("-o", "--json"), read if FULL else read[:1], ("./", "hard", "soft")):
             value = other + name if other == "./" else other
-            place.run(([command, *words, *quick(command), option, value], [] if other == "./" else [(other, name)]))
+            place.run([command, *words, *quick(command), option, value], [] if other == "./" else [(other, name)])
         check(len(place.harmed) == before[0], f"{command} {' '.join(words)}: {place.tries - before[1]} combinations leave all inputs",
               *place.harmed[before[0]:][:5])
     for line in DESTROYED + ONE_FILE:
-        status, said = place.run((line.split(), [("hard", "stack.tif"), ("soft", ".")]))
+        status, said = place.run(line.split(), [("hard", "stack.tif"), ("soft", ".")])
         check(status == 2 and re.fullmatch(f"error: .* {REFUSED}\n", said) and
               not any(name.startswith("both") for name in os.listdir(place.folder)), f"{line}: is refused, and writes nothing", status, said)
     check(not place.harmed, "no input has changed", len(place.harmed))

@@ -4,12 +4,26 @@
 #ifndef SOLID_H
 #define SOLID_H
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
+#include "spectral.h"
+#include "test.h"
+
+/* Returns the mesh of a built-in shape. */
+static inline struct mesh solid_build(enum shape_kind kind, const double parameter[4])
+{
+    struct shape shape = {.kind = kind};
+    struct error err = {.text = ""};
+    struct mesh mesh;
+    memcpy(shape.parameter, parameter, sizeof shape.parameter);
+    test_need(shape_build(&shape, &mesh, &err), err.text);
+    return mesh;
+}
+
+static inline double solid_distance(struct vector a, struct vector b)
+{
+    return vector_length(vector_subtract(a, b));
+}
 
 struct solid {
     int places;          /* different positions */
@@ -43,8 +57,7 @@ static inline int solid_merge(const struct mesh *mesh, int *place)
     const struct vertex **sorted = malloc((size_t)mesh->n_vertices * sizeof *sorted);
     int n = 0;
 
-    if (!sorted)
-        abort();
+    test_need(sorted != NULL, "no memory");
     for (int i = 0; i < mesh->n_vertices; i++)
         sorted[i] = &mesh->vertices[i];
     qsort(sorted, (size_t)mesh->n_vertices, sizeof *sorted, solid_compare_places);
@@ -61,8 +74,7 @@ static inline void solid_count_edges(const struct mesh *mesh, const int *place, 
     const size_t n = 3 * (size_t)mesh->n_triangles;
     int64_t *edges = malloc((n + 1) * sizeof *edges);
 
-    if (!edges)
-        abort();
+    test_need(edges != NULL, "no memory");
     for (size_t i = 0; i < n; i++) {
         const int32_t *corner = mesh->triangles[i / 3];
         edges[i] = (int64_t)place[corner[i % 3]] * INT32_MAX + place[corner[(i + 1) % 3]];
@@ -88,7 +100,6 @@ static inline void solid_measure_triangle(const struct mesh *mesh, int i, struct
     const double longest = fmax(vector_length(ab), fmax(vector_length(bc), vector_length(ca)));
     const struct vector across =
         vector_cross(vector_scale(ab, 1 / longest), vector_scale(bc, 1 / longest));
-
     const double area_z = vector_cross(ab, bc).z / 2;
 
     out->volume += vector_dot(a, vector_cross(b, c)) / 6;
@@ -108,8 +119,7 @@ static inline struct solid solid_measure(const struct mesh *mesh)
                         .texture_inside = true};
     int *place = malloc(((size_t)mesh->n_vertices + 1) * sizeof *place);
 
-    if (!place)
-        abort();
+    test_need(place != NULL, "no memory");
     out.places = solid_merge(mesh, place);
     solid_count_edges(mesh, place, &out);
     free(place);

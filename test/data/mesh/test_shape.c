@@ -3,13 +3,7 @@
  * find their errors. */
 #include <float.h>
 
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "solid.h"
-#include "spectral.h"
-#include "test.h"
-
-static const double pi = 3.14159265358979323846;
 
 /* A solid to check; `holes` is the number of holes through it. */
 struct closed_shape {
@@ -23,7 +17,7 @@ struct closed_shape {
 /* Returns the area of a regular n-gon of circumradius 1. */
 static double regular_area(double n)
 {
-    return n / 2 * sin(2 * pi / n);
+    return n / 2 * sin(2 * PI / n);
 }
 
 /* Returns the volume of a lathe of n slices, that is a stack of frusta over regular n-gons. */
@@ -32,7 +26,7 @@ static double sphere_volume(double radius, int slices, int stacks)
     double sum = 0;
 
     for (int i = 0; i < stacks; i++) {
-        const double a = pi * i / stacks, b = pi * (i + 1) / stacks;
+        const double a = PI * i / stacks, b = PI * (i + 1) / stacks;
         sum += (cos(a) - cos(b)) * (sin(a) * sin(a) + sin(a) * sin(b) + sin(b) * sin(b)) / 3;
     }
     return radius * radius * radius * regular_area(slices) * sum;
@@ -44,20 +38,9 @@ static double torus_volume(double tube, double ring, int sides, int rings)
     return regular_area(rings) * 2 * ring * regular_area(sides) * tube * tube;
 }
 
-static struct mesh build(enum shape_kind kind, const double parameter[4])
-{
-    struct shape shape = {.kind = kind};
-    struct error err = {.text = ""};
-    struct mesh mesh;
-
-    memcpy(shape.parameter, parameter, sizeof shape.parameter);
-    test_need(shape_build(&shape, &mesh, &err), err.text);
-    return mesh;
-}
-
 static void check_closed(const struct closed_shape *shape)
 {
-    struct mesh mesh = build(shape->kind, shape->parameter);
+    struct mesh mesh = solid_build(shape->kind, shape->parameter);
     const struct solid solid = solid_measure(&mesh);
 
     CHECK(solid.open_edges == 0 && solid.repeated_edges == 0,
@@ -102,7 +85,7 @@ static void check_circle(void)
 {
     int wrong = 0;
     for (int n = 3; n < 400; n++) {
-        struct mesh mesh = build(SHAPE_DISK, (const double[4]){1, n, 1, 0});
+        struct mesh mesh = solid_build(SHAPE_DISK, (const double[4]){1, n, 1, 0});
         for (int i = 0; i < n; i++) {
             const struct vector p = mesh.vertices[1 + i].position;
             double sine, cosine;
@@ -118,24 +101,22 @@ static void check_circle(void)
 static void check_curved_normals(void)
 {
     const double sphere[4] = {2.8, 30, 30, 0}, torus[4] = {1.05, 1.65, 30, 30};
-    struct mesh mesh = build(SHAPE_SPHERE, sphere);
+    struct mesh mesh = solid_build(SHAPE_SPHERE, sphere);
     double worst = 0;
 
     for (int i = 0; i < mesh.n_vertices; i++)
-        worst = fmax(worst,
-                     vector_length(vector_subtract(vector_scale(mesh.vertices[i].position, 1 / 2.8),
-                                                   mesh.vertices[i].normal)));
+        worst = fmax(worst, solid_distance(vector_scale(mesh.vertices[i].position, 1 / 2.8),
+                                           mesh.vertices[i].normal));
     CHECK_NEAR(worst, 0, 4 * DBL_EPSILON, "sphere: a normal is the position over the radius");
     mesh_free(&mesh);
-    mesh = build(SHAPE_TORUS, torus);
+    mesh = solid_build(SHAPE_TORUS, torus);
     worst = 0;
     for (int i = 0; i < mesh.n_vertices; i++) {
         const struct vector p = mesh.vertices[i].position;
         const double from_axis = hypot(p.x, p.y);
         const struct vector core = {1.65 * p.x / from_axis, 1.65 * p.y / from_axis, 0};
-        worst = fmax(worst,
-                     vector_length(vector_subtract(vector_scale(vector_subtract(p, core), 1 / 1.05),
-                                                   mesh.vertices[i].normal)));
+        worst = fmax(worst, solid_distance(vector_scale(vector_subtract(p, core), 1 / 1.05),
+                                           mesh.vertices[i].normal));
     }
     CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "torus: a normal points from the ring's core");
     mesh_free(&mesh);
@@ -144,7 +125,7 @@ static void check_curved_normals(void)
 static void check_cone_normals(void)
 {
     const double cone[4] = {3, 4, 12, 2};
-    struct mesh mesh = build(SHAPE_CONE, cone);
+    struct mesh mesh = solid_build(SHAPE_CONE, cone);
     const struct vector apex = {0, 0, 2};
     double worst = 0;
     int tips = 0;
@@ -164,23 +145,25 @@ static void check_cone_normals(void)
 
 static void check_flat(void)
 {
-    const double plane[4] = {4, 3, 2, 0}, disk[4] = {2, 5, 3, 0};
-    const enum shape_kind kind[2] = {SHAPE_PLANE, SHAPE_DISK};
-    const double *const parameter[2] = {plane, disk};
-    const int triangles[2] = {8, 25};
-    const double area[2] = {12, 4 * regular_area(5)};
+    const struct {
+        const char *name;
+        enum shape_kind kind;
+        double parameter[4], area;
+        int triangles;
+    } shapes[] = {{"plane", SHAPE_PLANE, {4, 3, 2, 0}, 12, 8},
+                  {"disk", SHAPE_DISK, {2, 5, 3, 0}, 4 * regular_area(5), 25}};
 
     for (int i = 0; i < 2; i++) {
-        struct mesh mesh = build(kind[i], parameter[i]);
+        struct mesh mesh = solid_build(shapes[i].kind, shapes[i].parameter);
         bool upright = true;
         for (int k = 0; k < mesh.n_vertices; k++) {
             const struct vector n = mesh.vertices[k].normal;
             upright = upright && n.x == 0 && n.y == 0 && n.z == 1;
         }
-        CHECK(upright && mesh.n_triangles == triangles[i], "%s faces +z with %d triangles",
-              i ? "disk" : "plane", triangles[i]);
-        CHECK_NEAR(solid_measure(&mesh).area_z, area[i], 16 * DBL_EPSILON,
-                   "%s has its area, counter-clockwise", i ? "disk" : "plane");
+        CHECK(upright && mesh.n_triangles == shapes[i].triangles, "%s faces +z with %d triangles",
+              shapes[i].name, shapes[i].triangles);
+        CHECK_NEAR(solid_measure(&mesh).area_z, shapes[i].area, 16 * DBL_EPSILON,
+                   "%s has its area, counter-clockwise", shapes[i].name);
         mesh_free(&mesh);
     }
 }
@@ -199,7 +182,7 @@ static void check_texture_direction(void)
         {"teapot", SHAPE_TEAPOT, {1, 4, 0, 0}},  {"cylinder", SHAPE_CYLINDER, {1, 2, 9, 3}}};
 
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        struct mesh mesh = build(shapes[i].kind, shapes[i].parameter);
+        struct mesh mesh = solid_build(shapes[i].kind, shapes[i].parameter);
         bool right_handed = true;
         for (int k = 0; k < mesh.n_triangles; k++) {
             const struct vertex *a = &mesh.vertices[mesh.triangles[k][0]];
@@ -229,7 +212,7 @@ static int true_poles(const struct mesh *mesh)
 static void check_teapot(int divisions)
 {
     const double parameter[4] = {2, divisions, 0, 0};
-    struct mesh mesh = build(SHAPE_TEAPOT, parameter);
+    struct mesh mesh = solid_build(SHAPE_TEAPOT, parameter);
     const struct solid solid = solid_measure(&mesh);
     double lowest = HUGE_VAL, highest = -HUGE_VAL, skew = 0;
 

@@ -3,20 +3,8 @@
  * direction. */
 #include <float.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 #include "solid.h"
-#include "spectral.h"
-#include "test.h"
-
-static struct mesh build(const struct shape *shape)
-{
-    struct error err = {.text = ""};
-    struct mesh mesh;
-
-    test_need(shape_build(shape, &mesh, &err), err.text);
-    return mesh;
-}
 
 static struct mesh cut(const struct mesh *mesh)
 {
@@ -200,7 +188,7 @@ static void check_solids(void)
         for (int turned = 0; turned < 2; turned++)
             for (int k = 0; k < 3; k++) {
                 char name[64];
-                struct mesh mesh = build(&shapes[i]);
+                struct mesh mesh = solid_build(shapes[i].kind, shapes[i].parameter);
                 place_mesh(&mesh, shifts[k], turned ? 33 : 0);
                 snprintf(name, sizeof name, "%s %s at %g", turned ? "turned" : "upright",
                          shape_name(shapes[i].kind), shifts[k]);
@@ -233,8 +221,7 @@ static void check_soup(void)
     uint64_t seed = 3;
     double worst = 0, lost = 0, sum = 0;
 
-    if (!vertices)
-        exit(1);
+    test_need(vertices != NULL, "no memory");
     for (int i = 0; i < CORNERS; i++) {
         /* a triangle with all corners at 0 is left, mirrored or not */
         const double kind = test_random(&seed, -1, 1);
@@ -265,7 +252,7 @@ static void check_soup(void)
             worst = fmin(worst, vector_dot(part, whole) / vector_dot(whole, whole));
             together = vector_add(together, part);
         }
-        lost = fmax(lost, vector_length(vector_subtract(together, whole)));
+        lost = fmax(lost, solid_distance(together, whole));
         sum += vector_length(whole);
     }
     CHECK(worst > -1e-12, "no part of a triangle is turned over");
@@ -341,8 +328,7 @@ static void check_between(void)
 
 static void check_parts(void)
 {
-    const struct shape box = {.kind = SHAPE_BOX, .parameter = {2, 4, 6, 1}};
-    struct mesh mesh = build(&box), halves, again, none;
+    struct mesh mesh = solid_build(SHAPE_BOX, (const double[]){2, 4, 6, 1}), halves, again, none;
 
     CHECK(mesh.n_parts == 1 && !mesh.part, "a built-in shape is one part");
     halves = cut(&mesh);
@@ -396,7 +382,7 @@ static void check_halved_facet(void)
         struct vector expected = vector_scale(v[0].normal, 1 - x - y);
         expected = vector_add(
             expected, vector_add(vector_scale(v[1].normal, x), vector_scale(v[2].normal, y)));
-        worst = fmax(worst, vector_length(vector_subtract(expected, at->normal)));
+        worst = fmax(worst, solid_distance(expected, at->normal));
         worst = fmax(worst, fabs(at->s - x) + fabs(at->t - y) + fabs(at->position.z));
     }
     CHECK(mesh.n_triangles == 256 && mesh.n_vertices == 17 * 18 / 2,
@@ -413,7 +399,7 @@ static void check_halved_solids(void)
                                    {.kind = SHAPE_TORUS, .parameter = {0.4, 1, 7, 9}},
                                    {.kind = SHAPE_BOX, .parameter = {2, 4, 6, 1}}};
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        struct mesh mesh = build(&shapes[i]), halves;
+        struct mesh mesh = solid_build(shapes[i].kind, shapes[i].parameter), halves;
         place_mesh(&mesh, 0.1, 33);
         halves = cut(&mesh);
         const struct solid before = solid_measure(&mesh);

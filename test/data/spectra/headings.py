@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -17,15 +18,13 @@ from rendered import TMP, bytes_of, check, done, output_of, pages_of, run, write
 SCENE = "size 2 2\nwavelengths 400 700 100\nambient e 1\nmaterial m {{ diffuse {} }}\nobject plane 20 20 material m\n"
 LIGHT = "size 2 2\nwavelengths 400 700 100\nambient {} 1\nmaterial m {{ diffuse 0.5 }}\nobject plane 1 1 material m\n"
 CASE = r"^# (read|noisy|refused): (.*?) \| (.*?) ?\| (.*)\n((?:(?!# (?:read|noisy|refused): ).*\n)*)"
-with open("test/cases/headings.cases", encoding="utf-8") as file:
-    TABLES = [(*words, content.encode("latin-1", "backslashreplace").decode("unicode_escape"))
-             for *words, content in re.findall(CASE, file.read(), re.MULTILINE)]
+TABLES = [(*words, content.encode("latin-1", "backslashreplace").decode("unicode_escape"))
+          for *words, content in re.findall(CASE, Path("test/cases/headings.cases").read_text(encoding="utf-8"), re.MULTILINE)]
 
 
 def table(name, content):
     path = f"{os.path.abspath(TMP)}/{name.replace(' ', '-').replace('/', '-')}.txt"
-    with open(path, "wb") as file:
-        file.write(content.encode())
+    Path(path).write_bytes(content.encode())
     return path
 
 

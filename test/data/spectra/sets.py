@@ -5,6 +5,7 @@
 them is taken by its name or number, and a set that leaves a choice open is refused. `show` plots spectra. Prints TAP."""
 import csv
 import io
+from pathlib import Path
 
 import numpy as np
 import tifffile
@@ -101,15 +102,13 @@ for name, content, why in (
         ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "is XML, but has no SpectralData"),
         ("a.xlsx", b"PK\x03\x04\x14\0\0\0", "it looks like ZIP"), ("a.mat", b"MATLAB 5.0 MAT-file\0", "it looks like MATLAB"),
         ("sekonic.csv", b"Title,x\nTLMF,---\n\nSpectral Data 400[nm],0.1\n", "no line begins with a wavelength")):
-    with open(f"{TMP}/{name}", "wb") as file:
-        file.write(content)
+    Path(TMP, name).write_bytes(content)
     got = stack("format", f"material m {{ diffuse {name} }}\nobject plane 12 8 material m\n")
     check(isinstance(got, str) and name in got and why in got and got.count("\n") == 1, f"{name} is refused: {why}", got)
 write("cube.hdr", "ENVI\nsamples = 2\n")
 for name, content, why in (("cube.bin", b"\0\1" * 8, "gdal_translate"), ("b.mat", b"MATLAB 5.0\0", "has the format MATLAB"),
                            ("b.npy", b"\x93NUMPY\1\0", "has the format NumPy"), ("b.h5", b"\x89HDF\r\n", "has the format HDF5")):
-    with open(f"{TMP}/{name}", "wb") as file:
-        file.write(content)
+    Path(TMP, name).write_bytes(content)
     result = run("develop", f"{TMP}/{name}", "-o", f"{TMP}/none.png")
     check(result.returncode == 2 and why in result.stderr, f"develop refuses {name}: {why}", result.stderr)
 

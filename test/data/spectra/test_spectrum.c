@@ -63,16 +63,6 @@ static struct spectrum read_content(const char *content)
     return read_word(test_write(path, content));
 }
 
-/* Returns the message that refuses the file, from its line number on if there is one. */
-static const char *refused_content(const char *content, const char *column, struct error *err)
-{
-    char line[64];
-    test_write(path, content);
-    snprintf(line, sizeof line, "%s%s", path, column);
-    refusal(line, err);
-    return strstr(err->text, path) == err->text ? err->text + strlen(path) : err->text;
-}
-
 static void check_words(void)
 {
     struct spectrum s = read_word("d65*0.5");
@@ -175,41 +165,6 @@ static void check_interpolation(void)
     spectrum_free(&s);
 }
 
-static void check_columns(void)
-{
-    struct error err;
-    CHECK(strstr(refused_content("400 0.1 0.2\n", "", &err), "has 2 samples; write one") != NULL,
-          "several columns need a choice");
-    CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err), "has no sample 3; its last is 2") !=
-              NULL,
-          "a chosen column must exist");
-    CHECK(refused_content("400 0.1 0.2\n", ":2", &err)[0] == '\0' && err.status == EXIT_AGREED,
-          "a column that exists is read");
-    CHECK(refused_content("400 7 0.2\n", ":2", &err)[0] == '\0',
-          "the values of other columns are not checked against the range");
-}
-
-/* Values times the factor must be in range, whatever they are without it. */
-static void check_percent(void)
-{
-    static const char *const files[] = {
-        "nm,R (%)\n400,0\n500,45.2\n600,100\n", "nm;percent\n400;0\n500;45,2\n600;100\n",
-        ("SPECT\nSPECTRAL_BANDS 3\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 600\n"
-         "BEGIN_DATA\n0 45.2 100\nEND_DATA\n")};
-    struct error err;
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
-        CHECK(refused_content(files[i], "*0.01", &err)[0] == '\0',
-              "file %zu in percent is a reflectance with a factor of 0.01 (%s)", i, err.text);
-    CHECK(refused_content("nm,%\n400,0.5\n", "*1", &err)[0] == '\0',
-          "a factor of 1 keeps fractions under a heading that says percent");
-    CHECK(refused_content("nm,a,%\n400,0.5,50\n", ":1", &err)[0] == '\0' &&
-              strstr(refused_content("nm,a,%\n400,0.5,50\n", ":2", &err), ":2*0.01'"),
-          "only the heading of the chosen column counts");
-    CHECK(refusal("d65*0.5", &err)[0] == '\0' && refusal("2*0.5", &err)[0] == '\0' &&
-              refusal("3*0.5", &err)[0] != '\0',
-          "built-in tables and numbers, too, are checked with their factor");
-}
-
 static double largest_difference(const char *a, const char *b)
 {
     struct spectrum one = read_word(a), two = read_word(b);
@@ -255,12 +210,14 @@ static void check_bad_words(void)
         "d65*-1 d65* d65*nan *2 1e999 nan 0x1 cie1931 cie1931:4 cie1931:0 d65*1e999 "
         "blackbody:-5 blackbody:2e6 blackbody: blackbody:x blackbody:2856 gaussian:380 "
         "gaussian:,40 gaussian:380,40,50 gaussian:400,40*1.1 \"d65 builtin:tables/none.csv "
-        "d65: 1.5abc";
+        "d65: 1.5abc 3*0.5";
     char word[64];
     struct error err;
     while (test_word(&bad, word))
         CHECK(refusal(word, &err)[0] != '\0' && err.status == EXIT_INPUT,
               "%s is refused as a reflectance", word);
+    CHECK(refusal("d65*0.5", &err)[0] == '\0' && refusal("2*0.5", &err)[0] == '\0',
+          "built-in tables and numbers, too, are checked with their factor");
     refusal("sun", &err);
     CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'sun'", 55) == 0 &&
               strstr(err.text, " d65, ") != NULL && !strstr(err.text, "cie1931"),
@@ -308,8 +265,6 @@ int main(void)
     check_words();
     check_blackbody();
     check_interpolation();
-    check_columns();
-    check_percent();
     check_daylight();
     check_bad_words();
     check_append();

@@ -9,6 +9,7 @@ import json
 import os
 import re
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import tifffile
@@ -25,15 +26,13 @@ def run(*words, folder="from", **more):
 
 
 def read(*path):
-    with open(os.path.join(PLACE, *path), "rb") as file:
-        return file.read()
+    return Path(PLACE, *path).read_bytes()
 
 
 def put(path, text):
-    path = os.path.join(PLACE, "from", path)
-    os.makedirs(os.path.dirname(path), exist_ok=True)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
+    path = Path(PLACE, "from", path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def make_scene():
@@ -77,15 +76,14 @@ def lists(needed):
     words = ("plan", "patches", "--sampling", "gauss:4", "--detector")
     put("eye.csv", "nm,x,y,z\n400,0,0,1\n500,0,1,0\n600,1,0,0\n700,0,0,0\n")
     check([file[65:] for file in json.loads(run(*words, "eye.csv", "--json", "-").stdout)["files"]] == ["eye.csv"], "a detector's file counts")
-    with open(os.path.join(PLACE, "from/all/all.scene"), "rb") as scene:
-        piped = run("plan", "-", "--json", "-", stdin=scene, folder="from/all")
+    piped = run("plan", "-", "--json", "-", input=read("from/all/all.scene"), folder="from/all")
     check(piped.returncode == 0 and "all.scene" not in "".join(json.loads(piped.stdout)["files"]), "the text of a pipe is no file", piped.stderr)
 
 
 def archive(needed):
     """The line of the page, with this scene."""
-    with open("data/doc/scenes.md", encoding="utf-8") as page:
-        line = re.search(r"^spectral plan my.scene \| (.* tar .*)$", page.read(), re.MULTILINE)[1].replace("my.tar", "../all.tar")
+    page = Path("data/doc/scenes.md").read_text(encoding="utf-8")
+    line = re.search(r"^spectral plan my.scene \| (.* tar .*)$", page, re.MULTILINE)[1].replace("my.tar", "../all.tar")
     made = subprocess.run(f"'{PROGRAM}' plan all/all.scene | {line}", shell=True, check=False, cwd=os.path.join(PLACE, "from"),
                           stderr=subprocess.PIPE)
     names = subprocess.run(["tar", "tf", "all.tar", "--quoting-style=literal"], check=False, cwd=PLACE, stdout=subprocess.PIPE).stdout.decode()

@@ -126,13 +126,13 @@ static void check_refused(const char *description, const char *what)
     free(copy);
 }
 
+#define WHOLE                                                                                      \
+    "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\nscene_sha256: 0\nrenderer: r\n"
 #define SAMPLED "sampling: gauss:1,xyz\nsampling_detector: cie1931\n"
 #define RESPONSE "response_range: 379.5 730.5\nresponse: 1 -2 3\n"
 
 static void check_refusals(void)
 {
-    static const char whole[] = "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
-                                "scene_sha256: 0\nrenderer: r\n";
     static const char *const lines[] = {
         "white: 1",
         "white: 1 2",
@@ -172,28 +172,27 @@ static void check_refusals(void)
     struct image image = {.path = (char[]){"whole.tif"}, .description = text, .n_pages = 1};
     struct record record;
     struct error err = {0};
-    snprintf(text, sizeof text, "%sno key\noption: --a\n</Description>", whole);
+    strcpy(text, WHOLE "no key\noption: --a\n</Description>");
     CHECK(record_read(&image, &record, &err) && record.options.n == 1,
           "other lines are left alone %s", err.text);
     record_free(&record);
-    snprintf(text, sizeof text, "%sobject_map: 4294967297 2\n</Description>", whole);
+    strcpy(text, WHOLE "object_map: 4294967297 2\n</Description>");
     CHECK(record_read(&image, &record, &err) && record.map_offset == UINT64_C(4294967297) &&
               record.map_bytes == 2,
           "an object map beyond 4 GiB %s", err.text);
     record_free(&record);
-    snprintf(text, sizeof text, "%s" SAMPLED RESPONSE "components: yes\n</Description>", whole);
+    strcpy(text, WHOLE SAMPLED RESPONSE "components: yes\n</Description>");
     CHECK(record_read(&image, &record, &err) && record.components,
           "a complete sampling is refused %s", err.text);
     record_free(&record);
     image.wavelengths_nm = (double[]){500};
     CHECK(!record_read(&image, &record, &err), "components at wavelengths are refused");
     check_refused("", "nothing");
-    check_refused(whole, "a description without end");
-    snprintf(text, sizeof text, "%s</Description>", whole + strlen("<Description>"));
-    check_refused(text, "a description without beginning");
+    check_refused(WHOLE, "a description without end");
+    check_refused(strchr(WHOLE "</Description>", '>') + 1, "a description without beginning");
     check_refused("<Description>program: p\nscene: s\n</Description>", "half a record");
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
-        snprintf(text, sizeof text, "%s%s\n</Description>", whole, lines[i]);
+        snprintf(text, sizeof text, WHOLE "%s\n</Description>", lines[i]);
         check_refused(text, "a malformed line");
     }
 }
@@ -206,10 +205,7 @@ static bool is_taken(int n, const char *segments, int repeated)
     struct image image = {.path = (char[]){"forged.tif"}, .description = text, .n_pages = n};
     struct record record;
     struct error err = {0};
-    int at = snprintf(text, sizeof text,
-                      "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
-                      "scene_sha256: 0\nrenderer: r\n" SAMPLED "segments: %s",
-                      segments);
+    int at = snprintf(text, sizeof text, WHOLE SAMPLED "segments: %s", segments);
     for (int i = 0; i < n; i++)
         nm[i] = i + 1;
     for (int i = 0; i < repeated; i++)

@@ -100,9 +100,6 @@ static void check_refusals(void)
                "t:1:1: error: gloss must be a number such as 2.5 or 1e-3, not "
                "'abcdefghijklmnopqrstuvwxyzabcdefghijklm'",
                "a long word is cut between characters");
-    CHECK_TEXT(number_error("\x1b[2J", 0, 1, &err),
-               "t:1:1: error: gloss must be a number such as 2.5 or 1e-3, not '?[2J'",
-               "a control character does not reach the terminal");
 }
 
 static double read_number(const char *string)

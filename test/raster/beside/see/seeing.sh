@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
 # Tests the commands that read stacks: develop, probe, compare and view. bad.sh has command lines that are refused; images.py
-# and forged.py have pictures that are no stacks, develop.py and probe.py stacks of other programs; outputs.py and
-# output_names.py write to pipes and full devices, compare.py has tolerances.
+# and forged.py have pictures that are no stacks, develop.py and probe.py stacks of other programs; outputs.py
+# writes to pipes and full devices, compare.py has tolerances.
 . test/shared/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"
 stack=$tmp/stack.tif
