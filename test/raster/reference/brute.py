@@ -58,7 +58,6 @@ class Mesh:
 
 
 def rotation(degrees, axis):
-    """Right-handed rotation after Rodrigues."""
     x, y, z = unit(np.array(axis, float))
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     turn = np.radians(degrees)

@@ -8,7 +8,6 @@ import re
 import numpy as np
 import tifffile
 
-from brute import rotation
 from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, cases, check, done, objects_of, pages_of, path_of, per_band, reference,
                       run, write, write_stack)
 
@@ -16,6 +15,14 @@ SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
 UV = np.interp(WAVELENGTHS, *built_in("uv"))
 FLAT = "size 12 8\ncamera ortho 12\n"
 FACING = "light d65 1 direction 0 0 1\n"
+
+
+def rotation(degrees, axis):
+    """Right-handed rotation after Rodrigues."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = np.radians(degrees)
+    return np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * cross @ cross
 
 
 def square(words, *statements):
