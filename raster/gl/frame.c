@@ -165,8 +165,6 @@ static void frame_close(struct renderer *renderer)
     struct drawing *of = (struct drawing *)renderer;
     if (of->kind->close)
         of->kind->close(of);
-    canvas_close(of->numbers);
-    canvas_close(of->colours);
     contexts_close(of->contexts);
     FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->steps, of->depths,
              of->reached, of->counts);

@@ -294,7 +294,7 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
                        struct error *err)
 {
     struct contexts *contexts;
-    struct canvas *canvas = NULL;
+    struct canvas *canvas;
     GLfloat pixel[4];
     const bool done = contexts_open(wish, &contexts, err) &&
                       canvas_open(contexts, 32, 1, 1, &canvas, err) &&
@@ -306,7 +306,6 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
         call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
     }
-    canvas_close(canvas);
     contexts_close(contexts);
     return done;
 }
