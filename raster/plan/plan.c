@@ -261,7 +261,7 @@ void plan_free(struct plan *plan)
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
     FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
-             plan->passes.first_pass, plan->materials, plan->textures, plan->lights, plan->sources);
+             plan->materials, plan->textures, plan->lights, plan->sources);
     index_free(&plan->by_material);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};

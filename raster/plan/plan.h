@@ -83,7 +83,6 @@ enum { DARK = -1 };
 struct passes {
     int n_frames, n_dark; /* n_dark: passes without a frame */
     int *frame;           /* of each pass, ascending; or DARK; owned */
-    int *first_pass;      /* of each frame; owned */
 };
 struct plan {
     const struct scene *scene;
@@ -192,11 +191,6 @@ enum { VERTEX_NUMBERS = 8 };
 void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
-/* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
- * buffer to parts of full scale (10 bits are read as 16); adds what one group of lights adds to the
- * others, where it reaches the pixel; reached NULL: everywhere. */
-void pass_convert(const struct plan *plan, const void *steps, float *pixels);
-void pass_add(const struct plan *plan, const float *part, const uint8_t *reached, float *sum);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 

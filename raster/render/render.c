@@ -15,11 +15,9 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Prepares the check of all bands together, and its map if the output has one. */
 static bool open_check(struct rendering *of, struct error *err)
 {
-    static const struct verdict_limits usual = {false, USUAL_UNCHECKED};
     const struct render_output *output = of->output;
-    of->check_scene = (struct check_scene){.lit = &of->lit,
-                                           .limits = output->limits ? output->limits : &usual,
-                                           .mapped = output->check_map != NULL};
+    of->check_scene = (struct check_scene){
+        .lit = &of->lit, .limits = output->limits, .mapped = output->check_map != NULL};
     const bool done =
         fit_make(&of->lit, &of->check_scene.fit, err) &&
         totals_open(&of->check_scene, &of->totals, err) &&

@@ -93,7 +93,7 @@ struct render_foreign {
     void *of;
 };
 struct render_output {
-    const struct verdict_limits *limits; /* NULL: the usual ones */
+    const struct verdict_limits *limits; /* of the check, if there is one */
     const char *path;                    /* of the stack; NULL: no stack is written */
     const char *check_map;               /* the map of the check; NULL: none is wanted */
     const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */

@@ -23,8 +23,7 @@ struct state {
     int tile;                        /* how many are judged */
     int frame, place;                /* the current frame, and where it is; DARK: none */
     float *black;                    /* a row of a frame that is not drawn; owned */
-    long steps, all_steps;
-    double since; /* clock_seconds when the reference began to draw */
+    double since;                    /* clock_seconds when the reference began to draw */
 };
 
 void clock_in(double *since, double *part)
@@ -67,23 +66,16 @@ static bool draw_numbers(struct state *state, int tile, struct error *err)
     return true;
 }
 
-/* Waits for free places, and takes them for the frames of a batch. */
-static bool take_places(struct state *state, struct frame_batch *batch)
+/* Waits for free places, and draws the frames of a batch there. */
+static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
 {
+    struct renderer *renderer = state->of->renderer;
     for (int i = 0; i < batch->n; i++) {
         batch->buffers[i] = places_wait(&state->frames, 0);
         if (batch->buffers[i] < 0)
             return false;
         places_set(&state->frames, batch->buffers[i], TAKEN);
     }
-    return true;
-}
-
-static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
-{
-    struct renderer *renderer = state->of->renderer;
-    if (!take_places(state, batch))
-        return false;
     double since = clock_seconds();
     if (renderer->kind->draw && !renderer->kind->draw(renderer, batch, err))
         return false;
@@ -99,12 +91,11 @@ static bool draw_batch(struct state *state, int tile, struct frame_batch *batch,
  */
 static void order_frames(const struct state *state, int *first_bands)
 {
-    const struct passes *passes = &state->plan->passes;
     int n = 0;
     for (int with = 1; with >= 0; with--)
-        for (int frame = 0; frame < passes->n_frames; frame++)
-            if (has_pilots(state, frame) == (with == 1))
-                first_bands[n++] = passes->first_pass[frame] * BANDS_PER_PASS;
+        for (int pass = 0, frame = 0; pass < state->plan->n_passes; pass++)
+            if (state->plan->passes.frame[pass] == frame && has_pilots(state, frame++) == with)
+                first_bands[n++] = pass * BANDS_PER_PASS;
 }
 
 static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
@@ -460,6 +451,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
 {
     struct state *state = context;
     const bool checking = state->plan->options.check;
+    const int n_passes = state->plan->n_passes;
     clock_in(&state->since, &state->of->result->seconds.raster);
     for (int i = 0; i < tile->n_chunks; i++)
         light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
@@ -467,11 +459,11 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     if (done && checking)
         places_set(&state->numbers, 0, 0);
     done = done && learn_pilots(state, tile, err);
-    for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
+    for (int pass = 0; done && pass < n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
-        state->steps++;
         if (state->of->progress)
-            progress_show(state->of->progress, state->steps, state->all_steps);
+            progress_show(state->of->progress, (long)state->tile * n_passes + pass + 1,
+                          (long)plan_tiles(state->plan, &state->of->region) * n_passes);
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);
@@ -485,7 +477,6 @@ static bool treat_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct rendering *of = state->of;
-    state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
     return tiles_each(&of->lit, &of->region, treat_tile, state, err) &&
            write_counted(state, &state->counted, err);
