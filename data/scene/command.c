@@ -131,14 +131,11 @@ static bool run_list(struct options *options, struct error *err)
         done = print_list(list, &printed, err);
     }
     if (done && !found && !file_is_missing(wanted))
-        done = print_samples(wanted, &printed, err);
+        print_samples(wanted, &printed, err);
     else if (done && !found)
-        done = error_usage(err, "there is no list or file '%s'; %s", wanted,
-                           suggestion_end(&suggestion, "the lists are"));
-    if (done)
-        return printed_show(&printed, STDOUT_FILENO, err);
-    free(printed_end(&printed));
-    return false;
+        error_usage(err, "there is no list or file '%s'; %s", wanted,
+                    suggestion_end(&suggestion, "the lists are"));
+    return printed_show(&printed, STDOUT_FILENO, err);
 }
 
 /* ---- spectral show ---- */
