@@ -236,7 +236,7 @@ static bool textures_upload(struct drawing *of, struct error *err)
     if (!MAKE_ARRAY(of->textures, n * of->renderer.n_at_once, err, "%d textures", n))
         return false;
     for (int i = 0; i < n; i++)
-        if (texture_is_drawn(of->plan, &of->plan->textures[i]) && !upload_texture(of, i, err))
+        if (of->plan->textures[i].shown && !upload_texture(of, i, err))
             return false;
     return true;
 }

@@ -189,7 +189,7 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded, in
         call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
-    switch_textures(gl, texture_is_drawn(plan, shaded->texture));
+    switch_textures(gl, shaded->texture);
     if (gl->textured)
         texture_bind(&gl->base, shaded->texture);
 }

@@ -51,8 +51,8 @@ static void put_left_out(const struct plan *plan, struct json *json)
         "only objects out of view have them");
     put(json, "passes", plan->passes.n_dark, plan->n_passes,
         "nothing in view has light in their bands");
-    put(json, "passes", plan->n_passes - plan->passes.n_dark - plan->passes.n_frames,
-        plan->n_passes, "they show the same as the pass before");
+    put(json, "passes", plan->passes.n_repeated, plan->n_passes,
+        "they show the same as the pass before");
     json_close(json, ']');
 }
 

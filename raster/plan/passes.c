@@ -32,7 +32,7 @@ static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
         const struct shaded_material *shaded = &plan->materials[m];
         if (!shaded->shown)
             continue;
-        if (b != DARK && texture_is_drawn(plan, shaded->texture) && shaded->texture->spectral)
+        if (b != DARK && shaded->texture && shaded->texture->spectral)
             return false;
         for (int t = 0; t < shaded->n_terms; t++) {
             const int light = shaded->terms[t].light;
@@ -70,6 +70,7 @@ bool passes_make(struct plan *plan, struct error *err)
         }
         out->frame[pass] = out->n_frames - 1;
     }
+    out->n_repeated = plan->n_passes - out->n_dark - out->n_frames;
     free(reaches);
     return done;
 }

@@ -162,8 +162,7 @@ const char *object_name(const struct plan *plan, int surface)
 
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity)
 {
-    const struct place place =
-        surface >= 0 ? plan->instances[surface].object->place : (struct place){NULL, 0, 0};
+    const struct place place = surface >= 0 ? plan->instances[surface].object->place : NOWHERE;
     if (place.path)
         snprintf(out, capacity, "%s (%s:%d)", object_name(plan, surface), place.path, place.line);
     else
@@ -260,8 +259,8 @@ void plan_free(struct plan *plan)
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
-             plan->materials, plan->textures, plan->lights, plan->sources);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->passes.frame, plan->materials,
+             plan->textures, plan->lights, plan->sources);
     index_free(&plan->by_material);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};

@@ -81,8 +81,8 @@ struct plan_options {
  *              and constant                    light reaches      light reaches */
 enum { DARK = -1 };
 struct passes {
-    int n_frames, n_dark; /* n_dark: passes without a frame */
-    int *frame;           /* of each pass, ascending; or DARK; owned */
+    int n_frames, n_dark, n_repeated; /* passes without a frame; or with that of another pass */
+    int *frame;                       /* of each pass, ascending; or DARK; owned */
 };
 struct plan {
     const struct scene *scene;
@@ -103,7 +103,7 @@ struct plan {
     struct eye_light *lights;         /* those that shine, in the order of the scene; but those
                                          that throw shadows into view come last: see struct view */
     const struct light **sources;     /* each of them as the scene has it */
-    bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
+    bool *is_idle;                    /* lights that add exactly 0 to all in view; owned */
     int n_meshes, n_materials, n_textures, n_instances, n_lights;
     int n_light_groups;          /* passes that a group of bands takes: see light_group */
     int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
@@ -164,8 +164,6 @@ bool group_is_drawn(const struct plan *plan, int group);
 bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
 /* The pixels that are stored have other levels of detail than those that are checked. */
 bool checks_other_rows(const struct plan *plan);
-/* OpenGL needs the texture (NULL: none): it is in view. */
-bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */
 

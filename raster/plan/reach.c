@@ -134,8 +134,7 @@ static bool reaches_any(const struct plan *plan, const struct eye_light *light)
 
 bool reach_find(struct plan *plan, struct error *err)
 {
-    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
-        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights))
         return false;
     for (int i = 0; i < plan->n_instances; i++) {
         struct placed_instance *placed = &plan->instances[i];
@@ -145,10 +144,10 @@ bool reach_find(struct plan *plan, struct error *err)
         plan->work.unseen_instances += !placed->in_view;
         shaded->shown = shaded->shown || placed->in_view;
         if (shaded->shown && shaded->texture)
-            plan->shows_texture[shaded->texture - plan->textures] = true;
+            shaded->texture->shown = true;
     }
     for (int i = 0; i < plan->n_textures; i++)
-        plan->work.undrawn_textures += !plan->shows_texture[i];
+        plan->work.undrawn_textures += !plan->textures[i].shown;
     if (!casters_find(plan, err))
         return false;
     for (int i = 0; i < plan->n_lights; i++) {
@@ -172,16 +171,11 @@ bool plan_has_mipmaps(const struct plan *plan)
 {
     bool has = false;
     for (int i = 0; i < plan->n_textures; i++)
-        has = has || (plan->shows_texture[i] && plan->textures[i].n_levels > 1);
+        has = has || (plan->textures[i].shown && plan->textures[i].n_levels > 1);
     return has;
 }
 
 bool checks_other_rows(const struct plan *plan)
 {
     return plan->options.store_raster && plan->options.check && plan_has_mipmaps(plan);
-}
-
-bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
-{
-    return texture && plan->shows_texture[texture - plan->textures];
 }
