@@ -186,12 +186,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
 static void take_results(struct rendering *of)
 {
     struct render_result *result = of->result;
-    const struct passes *passes = &of->plan->passes;
-    if (of->renderer) {
+    if (of->renderer)
         result->gl = of->renderer->work;
-        result->dark_passes = passes->n_dark;
-        result->repeated_passes = of->plan->n_passes - passes->n_dark - passes->n_frames;
-    }
     if (of->check_scene.lit) {
         totals_finish(&of->totals);
         result->check = of->totals.verdict;
@@ -224,25 +220,18 @@ static bool finish_stack(struct rendering *of, struct error *err)
     return output_pass(&of->stack.pages.output, output->outputs, err);
 }
 
-/* Both files are complete before the first of them appears. */
+/* Completes all. Both files are complete before the first of them appears. */
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
+    of->since = clock_seconds();
+    take_results(of);
     if ((of->check_scene.mapped && !picture_finish(&of->map.picture, err)) ||
         (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
     return !of->check_scene.mapped ||
            output_pass(&of->map.picture.pages.output, output->outputs, err);
-}
-
-static bool render_all(struct rendering *of, struct error *err)
-{
-    if (!prepare(of, err) || !stages_run(of, err))
-        return false;
-    of->since = clock_seconds();
-    take_results(of);
-    return finish(of, err);
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
@@ -252,7 +241,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     struct rendering of = {
         .plan = plan, .output = output, .result = out, .progress = progress, .since = start};
     *out = (struct render_result){.notes = output->notes};
-    bool done = render_all(&of, err);
+    const bool done = prepare(&of, err) && stages_run(&of, err) && finish(&of, err);
     if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
         notes_of_nothing(output->notes);
     stack_discard(&of.stack); /* keeps a stack that has been passed on */

@@ -387,9 +387,9 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
- * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
- * number counts as background. */
+/* Returns the number, from 1, of the object at a position of the tile; 0: the background. The
+ * renderer of the stored pixels decides: the reference's picture, or OpenGL's last identification.
+ * An unknown surface number counts as background. */
 static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
 {
     const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
@@ -400,8 +400,8 @@ static int object_at(const struct rendering *of, const struct tile *tile, int x,
     return surface < of->plan->n_instances ? surface + 1 : 0;
 }
 
-/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
- */
+/* Returns the object that most positions of a pixel show, as object_at does; of equally many the
+ * one that comes first. */
 static int pixel_object(const struct rendering *of, const struct tile *tile, int x, int y)
 {
     const int side = of->plan->scene->positions, n = side * side;
@@ -418,30 +418,24 @@ static int pixel_object(const struct rendering *of, const struct tile *tile, int
     return best;
 }
 
-/* Fills the object map of a tile: of each pixel the number, from 1, of the object that most of its
- * positions show; 0: the background. at: the tile in pixels of the stack. */
-static void map_objects(const struct rendering *of, const struct tile *tile,
-                        const struct rectangle *at, unsigned char *out)
-{
-    for (int y = 0; y < at->height; y++)
-        for (int x = 0; x < at->width; x++) {
-            const int object = pixel_object(of, tile, x, y);
-            *out++ = (unsigned char)(object % 256);
-            if (of->plan->map_bytes > 1)
-                *out++ = (unsigned char)(object / 256);
-        }
-}
-
-/* Writes the object map of a tile: the page after the last one. */
+/* Writes the object map of a tile, the page after the last one: the number of each pixel's object.
+ */
 static bool add_object_map(struct state *state, const struct tile *tile, struct error *err)
 {
     struct counted *map = &state->written; /* free: the last pass of the tile before is counted */
+    unsigned char *out = map->samples[0];
     if (state->plan->map_bytes == 0 || !state->of->output->path)
         return true;
     map->at = plan_pixels(state->plan, &tile->at);
     map->first_page = state->plan->n_bands;
     map->n_pages = 1;
-    map_objects(state->of, tile, &map->at, map->samples[0]);
+    for (int y = 0; y < map->at.height; y++)
+        for (int x = 0; x < map->at.width; x++) {
+            const int object = pixel_object(state->of, tile, x, y);
+            *out++ = (unsigned char)(object % 256);
+            if (state->plan->map_bytes > 1)
+                *out++ = (unsigned char)(object / 256);
+        }
     return write_counted(state, map, err);
 }
 
