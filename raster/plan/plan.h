@@ -113,7 +113,8 @@ struct plan {
     struct plan_effect effects[N_EFFECTS];
     struct passes passes;
     struct plan_work { /* counted where it is done */
-        long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
+        long excitation_integrals, terms, unseen_instances, idle_lights, idle_groups,
+            undrawn_textures;
     } work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };

@@ -122,14 +122,6 @@ static bool reaches_instance(const struct eye_light *light, const struct instanc
     return false;
 }
 
-static bool reaches_any(const struct plan *plan, const struct eye_light *light)
-{
-    for (int i = 0; i < plan->n_instances; i++)
-        if (plan->instances[i].in_view && reaches_instance(light, &plan->instances[i].instance))
-            return true;
-    return false;
-}
-
 /* ---- all of it ---- */
 
 bool reach_find(struct plan *plan, struct error *err)
@@ -151,10 +143,15 @@ bool reach_find(struct plan *plan, struct error *err)
     if (!casters_find(plan, err))
         return false;
     for (int i = 0; i < plan->n_lights; i++) {
-        plan->is_idle[i] = !plan->options.exchangeable && plan->view.shading != PHONG &&
-                           !reaches_any(plan, &plan->lights[i]);
-        plan->work.idle_lights += plan->is_idle[i];
+        bool reaches = plan->options.exchangeable || plan->view.shading == PHONG;
+        for (int k = 0; k < plan->n_instances && !reaches; k++)
+            reaches = plan->instances[k].in_view &&
+                      reaches_instance(&plan->lights[i], &plan->instances[k].instance);
+        plan->is_idle[i] = !reaches;
+        plan->work.idle_lights += !reaches;
     }
+    for (int group = 0; group < plan->n_light_groups; group++)
+        plan->work.idle_groups += !group_is_drawn(plan, group);
     return true;
 }
 
