@@ -155,8 +155,9 @@ enum { FEW_PIXELS = 1 << 14 };
 /* Calls work(of, i) for each i below n, a number for each chunk at least. */
 static void share_work(struct tile_pass *of, int n, void (*work)(void *of, int i))
 {
-    const size_t n_pixels = (size_t)of->tile->at.width * (size_t)of->tile->at.height;
-    threads_each(threads_for(of->state->plan->options.threads, n_pixels, FEW_PIXELS), n, work, of);
+    const int n_threads = of->state->plan->options.threads,
+              worth = of->tile->at.width * of->tile->at.height / FEW_PIXELS;
+    threads_each(worth < n_threads ? worth : n_threads, n, work, of);
 }
 
 /* OpenGL's pixels of a chunk. */
