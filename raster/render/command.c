@@ -218,15 +218,6 @@ static bool part_read(const char *value, struct picture_part *out, struct error 
     return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);
 }
 
-/* Each part gets a name of its own where the command line gives none. */
-static bool name_stack(struct options *options, const struct picture_part *part, struct error *err)
-{
-    char ending[48] = ".tif";
-    if (part->count > 0)
-        snprintf(ending, sizeof ending, ".%d-of-%d.tif", part->number, part->count);
-    return options_name_output(options, options_scene(options), ending, err);
-}
-
 /* A program without OpenGL draws by the reference where no renderer is given. */
 static bool choose_renderer(struct options *options, struct error *err)
 {
@@ -242,13 +233,18 @@ static bool run_render(struct options *options, struct error *err)
 {
     const struct render_options *own = options->own;
     struct picture_part part = {.count = 0};
+    char ending[48] = ".tif";
     if (own->again)
         return render_again(options, err);
     if (own->part && (own->check_map || own->maps))
         return error_usage(err, "--part takes no %s, which shows the whole picture",
                            own->maps ? "--maps" : "--check-map");
-    if (!choose_renderer(options, err) || (own->part && !part_read(own->part, &part, err)) ||
-        !name_stack(options, &part, err))
+    if (own->part && !part_read(own->part, &part, err))
+        return false;
+    if (own->part) /* each has a name of its own where the command line gives none */
+        snprintf(ending, sizeof ending, ".%d-of-%d.tif", part.number, part.count);
+    if (!choose_renderer(options, err) ||
+        !options_name_output(options, options_scene(options), ending, err))
         return false;
     if (stores_raster(own))
         options_forget_check(options);
