@@ -60,7 +60,7 @@ int utf8_length(const unsigned char *at);
  */
 void hide_unprintable(char *text, const char *kept);
 
-/* ---- byte_order.c: numbers in files ---- */
+/* ---- printed.c: numbers in files ---- */
 
 /* Returns whether the highest byte of a number comes first in memory. */
 bool machine_is_big_endian(void);
