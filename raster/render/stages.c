@@ -87,17 +87,6 @@ static bool draw_batch(struct state *state, int tile, struct frame_batch *batch,
     return true;
 }
 
-/* Lists the first bands of a tile's frames in the order of drawing: those with pilots come first.
- */
-static void order_frames(const struct state *state, int *first_bands)
-{
-    int n = 0;
-    for (int with = 1; with >= 0; with--)
-        for (int pass = 0, frame = 0; pass < state->plan->n_passes; pass++)
-            if (state->plan->passes.frame[pass] == frame && has_pilots(state, frame++) == with)
-                first_bands[n++] = pass * BANDS_PER_PASS;
-}
-
 static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
@@ -122,11 +111,12 @@ static bool draw_tiles(void *context, struct error *err)
     struct state *state = context;
     const struct plan *plan = state->plan;
     const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
-    int *first_bands;
-    bool done = true;
-    if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
-        return false;
-    order_frames(state, first_bands);
+    int *first_bands, n = 0; /* of a tile's frames; those with pilots come first */
+    bool done = MAKE_ARRAY(first_bands, n_frames, err, "the order of passes");
+    for (int with = 1; with >= 0 && done; with--)
+        for (int pass = 0, frame = 0; pass < plan->n_passes; pass++)
+            if (plan->passes.frame[pass] == frame && has_pilots(state, frame++) == with)
+                first_bands[n++] = pass * BANDS_PER_PASS;
     for (int i = 0; i < n_tiles && done; i++)
         done = draw_tile(state, i, first_bands, err);
     free(first_bands);
