@@ -2,7 +2,6 @@
 /* Materials under the lights of the plan, each made when it is first asked for, with its texture. A
  * material without terms is black: its texture is not opened. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/stack/stack.h"

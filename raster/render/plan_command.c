@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral plan: what would be simulated, and why. */
-#include <stdlib.h>
-
 #include "raster/render/inside.h"
 
 /* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
 #include <stdlib.h>
-#include <time.h>
 
 #include "raster/render/inside.h"
 
