@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The choice of a library, and its canvases. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 /* ---- the library ---- */

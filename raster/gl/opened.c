@@ -2,10 +2,6 @@
 /* Renderers through OpenGL share this: uploads, the library as it describes itself, and the driver
  * by which it is judged. Geometry is uploaded once, and drawn once more in numbers. Only this file
  * says how a vertex lies in a buffer. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 /* ---- meshes ---- */

@@ -5,8 +5,6 @@
  *
  * A pass has eight lights. More lights take more passes, whose colours frame.c adds; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 struct gl {

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra that are tables, and end before the picture's wavelengths do. */
-#include <math.h>
-
 #include "raster/plan/inside.h"
 
 /* The tables of a plan, looked at one by one. */

@@ -2,8 +2,6 @@
 /* The facts of a plan, as JSON or in words: its work, each effect with the reason why it is
  * simulated or not, each light, each file; in words also each value that is guessed, not measured.
  */
-#include <string.h>
-
 #include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 

@@ -2,10 +2,6 @@
 /* Objects become instances: each mesh is built once, parted by material and cut in half where a
  * material has a metameric partner, moved to its centre and placed. Objects that show the same mesh
  * share it. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/plan/inside.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */

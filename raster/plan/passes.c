@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Passes: those that OpenGL need not draw, and what the others draw: the colours of materials, the
  * texels of spectral textures, and the projection of a tile. */
-#include <stdlib.h>
-
 #include "raster/plan/inside.h"
 
 /* ---- passes that need not be drawn ---- */

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Decides, once and before anything is drawn, what a scene calls for: which lights shine, which
  * terms each material needs, which meshes, passes and tiles follow. Nothing else is computed. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "raster/plan/inside.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our

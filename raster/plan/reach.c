@@ -2,8 +2,6 @@
 /* Finds the instances in view, the materials and textures that these show, and the lights that
  * reach them. OpenGL gets nothing else. Margins here exceed all bounds of single precision, so that
  * in doubt an instance is in view, and a light reaches it. */
-#include <math.h>
-
 #include "raster/plan/inside.h"
 
 /* ---- instances in view ---- */

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Materials under the lights of the plan, each made when it is first asked for, with its texture. A
  * material without terms is black: its texture is not opened. */
-#include <math.h>
-#include <string.h>
-
 #include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 

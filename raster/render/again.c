@@ -3,8 +3,6 @@
  * byte for byte. */
 #include <ctype.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/render/inside.h"
 

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral render: plans and renders a scene, and reports the result. again.c takes the scene and
  * the options from a stack's record instead. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- checks before anything is drawn ---- */

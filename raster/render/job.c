@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* From a command line to a plan. */
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- what the options ask for ---- */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
-#include <stdlib.h>
-
 #include "raster/render/inside.h"
 
 const char *render_stored(const struct plan *plan, const struct render_result *result)

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports a render: as a table, and all figures as facts. */
-#include <math.h>
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* A figure that does not exist: words say none, JSON says null. */

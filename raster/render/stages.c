@@ -2,8 +2,6 @@
 /* The passes of all tiles, by two stages that work side by side. One draws by OpenGL, three bands a
  * pass. One draws the reference of each tile, judges what OpenGL has drawn, counts and writes. The
  * stages do the same work in the same order, however far one is ahead of the other. */
-#include <stdlib.h>
-
 #include "raster/render/inside.h"
 
 /* Counts on their way to the stack, of pages of a tile that follow one another. */

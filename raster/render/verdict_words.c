@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The verdict in words: for the table, for the stack, and for the message of a render that failed.
  */
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- the verdict ---- */
