@@ -435,6 +435,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     struct state *state = context;
     const bool checking = state->plan->options.check;
     const int n_passes = state->plan->n_passes;
+    const long all = (long)plan_tiles(state->plan, &state->of->region) * n_passes;
     clock_in(&state->since, &state->of->result->seconds.raster);
     for (int i = 0; i < tile->n_chunks; i++)
         light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
@@ -445,8 +446,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     for (int pass = 0; done && pass < n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
         if (state->of->progress)
-            progress_show(state->of->progress, (long)state->tile * n_passes + pass + 1,
-                          (long)plan_tiles(state->plan, &state->of->region) * n_passes);
+            progress_show(state->of->progress, (long)state->tile * n_passes + pass + 1, all);
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);
