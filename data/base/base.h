@@ -60,7 +60,7 @@ int utf8_length(const unsigned char *at);
  */
 void hide_unprintable(char *text, const char *kept);
 
-/* ---- byte_order.c: numbers in files ---- */
+/* ---- printed.c: numbers in files ---- */
 
 /* Returns whether the highest byte of a number comes first in memory. */
 bool machine_is_big_endian(void);
@@ -140,12 +140,9 @@ uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unkno
 /* Returns `wanted`, at most MOST_THREADS; 0 stands for the number of processors that this process
  * may run on. */
 int threads_count(int wanted);
-/* Returns how many of n_threads threads are worth waking for n items, where a thread should have at
- * least `least` of them: at least 1. */
-int threads_for(int n_threads, size_t n, size_t least);
-/* Calls work(context, i) once for each i below n, on n_threads threads, this one included, and
- * returns after the last call. A thread takes the next i as soon as it is free. Where the system
- * starts fewer threads, those that there are do the work. */
+/* Calls work(context, i) once for each i below n, on n_threads threads, this one included in any
+ * case, and returns after the last call. A thread takes the next i as soon as it is free. Where the
+ * system starts fewer threads, those that there are do the work. */
 void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context);
 /* Does the same for n items in blocks of `block`: calls work(context, first, end) for the items
  * first .. end - 1. */

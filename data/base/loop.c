@@ -23,12 +23,6 @@ int threads_count(int wanted)
     return n < 1 ? 1 : n < MOST_THREADS ? n : MOST_THREADS;
 }
 
-int threads_for(int n_threads, size_t n, size_t least)
-{
-    const size_t worth = n / least;
-    return worth < 1 ? 1 : worth < (size_t)n_threads ? (int)worth : n_threads;
-}
-
 uint64_t counter_add(struct counter *to, uint64_t n)
 {
     pthread_mutex_lock(&to->lock);

@@ -5,6 +5,28 @@
 
 #include "data/base/base.h"
 
+/* ---- numbers in files: their lowest byte comes first; some machines have the highest one first in
+ * memory ---- */
+
+bool machine_is_big_endian(void)
+{
+    const uint16_t one = 1;
+    return *(const unsigned char *)&one == 0;
+}
+
+void store_numbers(void *out, const void *numbers, size_t size, size_t length)
+{
+    const char *from = numbers;
+    char *to = out;
+    if (!machine_is_big_endian())
+        memcpy(out, numbers, length);
+    else
+        for (size_t i = 0; i < length; i++)
+            to[i] = from[i ^ (size - 1)];
+}
+
+/* ---- a text ---- */
+
 /* Makes room for more bytes and a NUL. */
 static bool make_room(struct printed *to, size_t more)
 {

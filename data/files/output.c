@@ -58,7 +58,10 @@ static bool open_target(struct output *out, const char *path, struct error *err)
     struct stat status;
     size_t length = strlen(path);
     if (output_is_standard(path))
-        return open_copied(out, path, err);
+        return isatty(STDOUT_FILENO)
+                   ? error_usage(err, "standard output is a terminal, and a picture is no text; "
+                                      "expected a file or a pipe")
+                   : open_copied(out, path, err);
     if (stat(path, &status) == 0) {
         if (S_ISDIR(status.st_mode))
             return error_usage(err, "cannot write %s: it is a folder", path);
@@ -77,7 +80,7 @@ static bool open_target(struct output *out, const char *path, struct error *err)
     return open_beside(out, path, NULL, err);
 }
 
-static bool open_output(struct output *out, const char *path, struct error *err)
+bool output_open(struct output *out, const char *path, struct error *err)
 {
     *out = (struct output){.descriptor = -1};
     if (open_target(out, path, err))
@@ -86,19 +89,10 @@ static bool open_output(struct output *out, const char *path, struct error *err)
     return false;
 }
 
-bool output_open(struct output *out, const char *path, struct error *err)
-{
-    *out = (struct output){.descriptor = -1};
-    return output_is_standard(path) && isatty(STDOUT_FILENO)
-               ? error_usage(err, "standard output is a terminal, and a picture is no text; "
-                                  "expected a file or a pipe")
-               : open_output(out, path, err);
-}
-
 bool output_can_open(const char *path, struct error *err)
 {
     struct output probe = {.path = NULL};
-    bool able = output_is_standard(path) || open_output(&probe, path, err);
+    bool able = output_is_standard(path) || output_open(&probe, path, err);
     output_discard(&probe);
     return able;
 }
@@ -251,7 +245,7 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
     if (output_is_standard(path))
         return write_all(STDOUT_FILENO, bytes, length) || errno == EPIPE ||
                error_system(err, "cannot write to standard output");
-    if (!open_output(&output, path, err))
+    if (!output_open(&output, path, err))
         return false;
     if (!write_all(output.descriptor, bytes, length)) {
         write_fault(err, path);

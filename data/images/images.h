@@ -101,6 +101,7 @@ struct texture {
     bool spectral, rgb;           /* rgb: pages at rgb_knot_nm are made of the only one */
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     bool mipmapped;               /* planes have all levels down to one texel: see mipmaps.c */
+    bool shown;                   /* by an object in view; its user keeps this */
     int n_levels;                 /* 1: no mipmaps */
     size_t plane_size;            /* texels of a plane, of all levels */
     double smallest, largest;     /* of all values of all pages */

@@ -46,10 +46,12 @@ static bool add_lights(struct fine_spectra *to, const struct illumination *illum
 {
     const struct scene *scene = illumination->scene;
     bool done = true;
-    for (int i = 0; done && i < illumination->n_first + scene->n_ambients; i++) {
-        const int ambient = i - illumination->n_first;
-        const struct light *light = ambient < 0 ? illumination->lights[illumination->first[i]].light
-                                                : &scene->ambients[ambient];
+    for (int i = 0; done && i < illumination->n_lights + scene->n_ambients; i++) {
+        const int ambient = i - illumination->n_lights;
+        if (ambient < 0 && illumination->lights[i].first < i)
+            continue;
+        const struct light *light =
+            ambient < 0 ? illumination->lights[i].light : &scene->ambients[ambient];
         double *row = material ? add_row(to, false, err) : NULL;
         done = material ? row &&
                               material_luminescence(&illumination->pages, material,

@@ -40,14 +40,14 @@ static double strength(const struct light *light)
 static int find_first(const struct illumination *of, int index)
 {
     struct shining_light *light = &of->lights[index];
-    for (int i = 0; !of->exchangeable && !light->light->shadows && i < of->n_first; i++) {
-        const struct light *first = of->lights[of->first[i]].light;
+    for (int i = 0; !of->exchangeable && !light->light->shadows && i < index; i++) {
+        const struct light *first = of->lights[i].light;
         const double share = strength(light->light) / strength(first);
-        if (first->shadows || !(share > 1e-30 && share < 1e30) ||
+        if (of->lights[i].first < i || first->shadows || !(share > 1e-30 && share < 1e30) ||
             !are_alike(&light->light->spectrum, &first->spectrum))
             continue;
         light->share = share;
-        return of->first[i];
+        return i;
     }
     return index;
 }
@@ -58,8 +58,7 @@ static void add_light(struct illumination *to, const struct light *light)
     to->lights[index] = (struct shining_light){.light = light, .share = 1};
     to->lights[index].first = find_first(to, index);
     to->lights[to->lights[index].first].n_alike++;
-    if (to->lights[index].first == index)
-        to->first[to->n_first++] = index;
+    to->n_first += to->lights[index].first == index;
 }
 
 bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
@@ -67,8 +66,7 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
 {
     const size_t n = (size_t)scene->n_lights + 1;
     *out = (struct illumination){.scene = scene, .pages = *pages, .exchangeable = exchangeable};
-    const bool done = MAKE_ARRAY(out->lights, n, err, "%zu lights", n) &&
-                      MAKE_ARRAY(out->first, n, err, "%zu lights", n);
+    const bool done = MAKE_ARRAY(out->lights, n, err, "%zu lights", n);
     for (int i = 0; done && i < scene->n_lights; i++) {
         const struct light *light = &scene->lights[i];
         if (exchangeable || (light->intensity != 0 && !spectrum_is_zero(&light->spectrum)))
@@ -79,6 +77,6 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
 
 void illumination_free(struct illumination *illumination)
 {
-    FREE_ALL(illumination->lights, illumination->first);
+    free(illumination->lights);
     *illumination = (struct illumination){.n_lights = 0};
 }

@@ -99,13 +99,6 @@ void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]
     snprintf(out, SAMPLING_NAME, "%s%s%s", kind->name, digits, kind->functions);
 }
 
-bool sampling_takes_means(const char *name)
-{
-    struct sampling_method method;
-    struct error ignored = {0};
-    return sampling_read("", name, &method, &ignored) && method.kind == SAMPLING_BOX;
-}
-
 /* ---- a scene as the command line samples it ---- */
 
 static const struct option sampling_rows[] = {

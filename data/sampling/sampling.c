@@ -232,11 +232,6 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
     return done;
 }
 
-const struct sampling *sampling_or_none(const struct sampling *sampling)
-{
-    return sampling->pages.n > 0 ? sampling : NULL;
-}
-
 /* ---- in words ---- */
 
 void sampling_label(const struct sampling_method *method, int page, char out[24])

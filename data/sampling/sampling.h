@@ -55,8 +55,8 @@ struct illumination {
     bool exchangeable; /* lights may be exchanged afterwards: lights and terms that are 0 are kept,
                           and each light has its own terms */
     int n_lights;
+    int n_first;                  /* lights that are the first of their spectrum */
     struct shining_light *lights; /* in the scene's order; owned */
-    int *first, n_first;          /* those that are the first of their spectrum; owned */
 };
 /* Lists the lights that are not 0 everywhere. Scene and pages must outlive *out. */
 bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
@@ -127,8 +127,6 @@ enum { SAMPLING_NAME = 48 };
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]);
 /* Returns how many decimal digits of a number read back as the same double: at least 15. */
 int exact_digits(double number);
-/* Returns whether pages of the method of this name are means over segments, not values in them. */
-bool sampling_takes_means(const char *name);
 
 /* ---- sampling.c, fine_spectra.c: samplings of a scene ---- */
 
@@ -181,8 +179,6 @@ struct sampling {
  * makes NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
-/* Returns the sampling, or NULL for a zeroed one: functions take NULL for no sampling. */
-const struct sampling *sampling_or_none(const struct sampling *sampling);
 /* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
  * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,

@@ -216,8 +216,8 @@ bool material_terms_make(const struct illumination *illumination, const struct m
     bool done = check_range(&illumination->pages, &material->diffuse, err) &&
                 check_range(&illumination->pages, &material->specular, err) &&
                 allocate(&maker, err) && add_constant(&maker, err);
-    for (int i = 0; done && i < illumination->n_first; i++)
-        done = add_light(&maker, illumination->first[i], err);
+    for (int i = 0; done && i < illumination->n_lights; i++)
+        done = illumination->lights[i].first < i || add_light(&maker, i, err);
     out->fluoresces = maker.luminescence.seen;
     out->excitation_integrals = maker.luminescence.integrals;
     free(maker.row);

@@ -93,25 +93,24 @@ static bool print_list(const struct list *list, struct printed *to, struct error
 }
 
 /* Prints the names of the samples of a user's table. */
-static bool print_samples(const char *path, struct printed *to, struct error *err)
+static void print_samples(const char *path, struct printed *to, struct error *err)
 {
     const struct word word = {.start = path, .length = strlen(path)};
     struct spectrum *samples;
     int n;
     struct text text;
     char *file;
-    bool done =
+    const bool done =
         word_file(&word, FILE_TABLE, &file, err) && text_open(&text, file, NOWHERE, TEXT_XML, err);
     free(file);
     if (!done)
-        return false;
-    done = set_read(text, HUGE_VAL, &samples, &n, err);
+        return;
+    set_read(text, HUGE_VAL, &samples, &n, err);
     print(to, "%s\n", path);
     for (int i = 0; i < n; i++)
         print(to, "  %s\n", samples[i].name);
     set_free(samples, n);
     text_free(&text);
-    return done;
 }
 
 static bool run_list(struct options *options, struct error *err)
@@ -131,14 +130,11 @@ static bool run_list(struct options *options, struct error *err)
         done = print_list(list, &printed, err);
     }
     if (done && !found && !file_is_missing(wanted))
-        done = print_samples(wanted, &printed, err);
+        print_samples(wanted, &printed, err);
     else if (done && !found)
-        done = error_usage(err, "there is no list or file '%s'; %s", wanted,
-                           suggestion_end(&suggestion, "the lists are"));
-    if (done)
-        return printed_show(&printed, STDOUT_FILENO, err);
-    free(printed_end(&printed));
-    return false;
+        error_usage(err, "there is no list or file '%s'; %s", wanted,
+                    suggestion_end(&suggestion, "the lists are"));
+    return printed_show(&printed, STDOUT_FILENO, err);
 }
 
 /* ---- spectral show ---- */

@@ -139,11 +139,10 @@ static void digest_files(struct scene *scene)
 static bool open_named(struct scene *scene, const char *name, struct text *out, struct error *err)
 {
     const struct word named = name_word(name);
-    if (strcmp(name, "-") != 0)
-        return string_copy(name, &scene->path, err) &&
-               scene_open(scene, &named, FILE_SCENE, out, err);
-    return string_copy(standard_input, &scene->path, err) &&
-           text_open(out, standard_input, NOWHERE, 0, err) && scene_keep(scene, out, err);
+    const bool input = strcmp(name, "-") == 0;
+    return string_copy(input ? standard_input : name, &scene->path, err) &&
+           (input ? text_open(out, standard_input, NOWHERE, 0, err) && scene_keep(scene, out, err)
+                  : scene_open(scene, &named, FILE_SCENE, out, err));
 }
 
 /* Reads the scene of that name. If the file is a list, this is the built-in colorchecker with the

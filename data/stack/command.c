@@ -2,11 +2,6 @@
 /* spectral info: how a stack was made, as JSON or in words. */
 #include "data/stack/inside.h"
 
-bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
-{
-    return image_open(path, NOWHERE, tags_read, image, err) && record_read(image, out, err);
-}
-
 /* Puts what words have beside the facts. */
 static void print_meaning(const struct record *record, struct printed *to)
 {

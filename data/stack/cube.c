@@ -20,6 +20,7 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
     if (!image_open(path, NOWHERE, tags_read, image, err) ||
         (record_is_there(image) && !record_read(image, &out->record, err)))
         return false;
+    out->unit = out->record.unit ? out->record.unit : RELATIVE_UNIT;
     out->components = out->record.components && !image->coloured;
     if (out->components) { /* pages have numbers in place of wavelengths */
         if (!MAKE_ARRAY(image->wavelengths_nm, image->n_pages, err, "the pages of %s", path))
@@ -36,11 +37,6 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
                " names such as \"305 nm\"",
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
-}
-
-const char *cube_unit(const struct cube *cube)
-{
-    return cube->record.unit ? cube->record.unit : RELATIVE_UNIT;
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)

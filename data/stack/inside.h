@@ -10,9 +10,6 @@
 char *description_text(const char *xml, struct error *err);
 /* Returns whether the description of the first page has a record, whole or damaged. */
 bool record_is_there(const struct image *image);
-/* Reads the record. Refuses an image without a record, or with a record that contradicts itself or
- * the image. */
-bool record_read(const struct image *image, struct record *out, struct error *err);
 
 /* ---- stack.c: the verdict on a stack, in numbers ---- */
 

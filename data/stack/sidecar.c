@@ -107,17 +107,15 @@ static char *header_make(const char *stack, struct error *err)
     struct printed printed = {.text = NULL};
     struct raw_samples raw;
     struct cube cube;
-    char *header = NULL;
     if (cube_open(stack, &cube, err) && image_describe(&cube.image, &raw, err) &&
         (!cube.components || sampling_read(stack, cube.record.sampling, &method, err))) {
         put_description(&printed, &cube);
         put_layout(&printed, &cube.image, &raw);
         put_bands(&printed, &cube, &method);
         put_scale(&printed, &cube, raw.bits);
-        header = printed_take(&printed, err);
     }
     cube_close(&cube);
-    return header;
+    return printed_take(&printed, err);
 }
 
 /* ---- files ---- */

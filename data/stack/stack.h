@@ -100,6 +100,9 @@ void record_put_part(struct printed *to, const struct part_rows *rows, int heigh
  * recorded. Refuses the first difference. */
 bool record_has_files(const struct record *record, const struct scene *scene, const char *detector,
                       struct error *err);
+/* Reads the record of a stack, which tags_read has opened; it needs the image no longer. Refuses an
+ * image without a record, or with a record that contradicts itself or the image. */
+bool record_read(const struct image *image, struct record *out, struct error *err);
 /* Returns the sum of the lights' intensities; 0: no white is recorded. */
 double record_illumination(const struct record *record);
 void record_free(struct record *record);
@@ -175,11 +178,11 @@ struct cube {
     struct record record; /* zeroed in a stack of another program; map_bytes is 0 where no object
                              map lies where it should */
     bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
+    const char *unit;     /* of radiances */
 };
 /* Reads no samples. Messages name the path; their status is EXIT_INPUT. The caller closes *out,
  * also after a failure. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
-const char *cube_unit(const struct cube *cube); /* of radiances */
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
 void cube_close(struct cube *cube);
@@ -204,8 +207,5 @@ char *sidecar_name(const char *stack, struct error *err);
 
 /* Prints how a stack was made. */
 extern const struct command info_command;
-/* Opens a stack and reads its record. The caller closes the image and frees the record, also after
- * a failure; the record needs the image no longer. */
-bool record_open(const char *path, struct image *image, struct record *out, struct error *err);
 
 #endif

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The choice of a library, and its canvases. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 /* ---- the library ---- */
@@ -92,6 +88,9 @@ void contexts_close(struct contexts *contexts)
 {
     if (!contexts)
         return;
+    for (int i = contexts->n_canvases - 1; i >= 0; i--)
+        if (contexts->canvases[i].context)
+            contexts->kind->close(&contexts->canvases[i]);
     if (contexts->kind && contexts->kind->end)
         contexts->kind->end(contexts);
     FREE_ALL(contexts->own, contexts);
@@ -133,17 +132,9 @@ GLenum canvas_type(const struct canvas *canvas)
 bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
                  struct error *err)
 {
-    if (!MAKE_ARRAY(*out, 1, err, "a canvas of OpenGL"))
-        return false;
+    *out = &contexts->canvases[contexts->n_canvases++];
     **out = (struct canvas){.contexts = contexts, .bits = bits, .width = width, .height = height};
     return contexts->kind->open(*out, err);
-}
-
-void canvas_close(struct canvas *canvas)
-{
-    if (canvas && canvas->context)
-        canvas->contexts->kind->close(canvas);
-    free(canvas);
 }
 
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)

@@ -7,8 +7,6 @@
  * (GL_ARB_clip_control). Without this extension the projection must: then Mesa clips triangles in
  * another order, and rounds otherwise. With it, colours and depths of Mesa 22.3.6 are those of
  * OSMesa to the bit, since OSMesa turns its window around inside of Mesa. */
-#include <stdlib.h>
-
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* the static program has no loader */

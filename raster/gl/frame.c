@@ -126,16 +126,32 @@ static bool draw_group(struct drawing *of, int group, const struct frame_batch *
     return true;
 }
 
-/* Puts the colours of a group of lights into a buffer, or adds them there. */
+/* Converts steps of a colour buffer to parts of full scale, which is `whole` of them. 10 bits are
+ * read as 16. */
+static void convert_steps(const void *steps, uint32_t whole, size_t n, float *pixels)
+{
+    const uint16_t *words = steps;
+    const uint8_t *bytes = steps;
+    const bool wide = whole > UINT8_MAX;
+    for (size_t i = 0; i < n; i++)
+        pixels[i] = (float)(wide ? (words[i] * whole + UINT16_MAX / 2) / UINT16_MAX : bytes[i]) /
+                    (float)whole;
+}
+
+/* Puts the colours of a group of lights into a buffer, or adds them there, where the group reaches
+ * the pixel. */
 static void add_group(const struct drawing *of, int group, int colours, float *sum)
 {
+    const size_t n = 4 * (size_t)of->plan->tile_width * (size_t)of->plan->tile_height;
+    const uint8_t *reached = shadows_of(of, group);
     float *pixels = group == 0 ? sum : of->part;
     of->contexts->kind->fill(of->contexts->current, colours,
                              of->steps ? (void *)of->steps : pixels);
     if (of->steps)
-        pass_convert(of->plan, of->steps, pixels);
-    if (group > 0)
-        pass_add(of->plan, of->part, shadows_of(of, group), sum);
+        convert_steps(of->steps, (uint32_t)buffer_steps(of->plan), n, pixels);
+    for (size_t i = 0; i < n && group > 0; i++)
+        if (!reached || reached[i / 4])
+            sum[i] += pixels[i];
 }
 
 static bool frame_draw(struct renderer *renderer, const struct frame_batch *batch,
@@ -165,8 +181,6 @@ static void frame_close(struct renderer *renderer)
     struct drawing *of = (struct drawing *)renderer;
     if (of->kind->close)
         of->kind->close(of);
-    canvas_close(of->numbers);
-    canvas_close(of->colours);
     contexts_close(of->contexts);
     FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->steps, of->depths,
              of->reached, of->counts);

@@ -16,6 +16,17 @@ bool library_open(const char *const *files, void **out, struct error *err);
  * are there. */
 bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
+/* A context with buffers of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
+ * own, and shares no objects. */
+struct canvas {
+    struct contexts *contexts;
+    int bits; /* of a channel: 8, 10 (EGL), 16, or 32 of floats */
+    int width, height;
+    void *context; /* the library's; NULL: none */
+    bool is_stale; /* it has colours of another tile; its user keeps this */
+};
+enum { MOST_CANVASES = 2 };
+
 /* A library in use. */
 struct contexts {
     enum gl_way way;
@@ -23,7 +34,9 @@ struct contexts {
     bool mirrored; /* the projection must turn y around, so that the first row that OpenGL draws is
                       the top, and fronts go round with the clock; known when a canvas is open */
     int n_colours; /* buffers of colours that a canvas has; at most MOST_AT_ONCE */
-    struct canvas *current;
+    struct canvas canvases[MOST_CANVASES]; /* n_canvases: in the order of their opening */
+    int n_canvases;
+    struct canvas *current;          /* one of them; NULL: none */
     const struct context_kind *kind; /* NULL: no library was found */
     void *own;                       /* of osmesa.c or egl.c; owned */
 };
@@ -40,23 +53,13 @@ bool functions_succeeded(const struct gl_functions *call, struct error *err);
  * many threads. Fails with EXIT_SYSTEM, and names the packages, where the library is missing. One
  * process opens one of them. contexts_close frees *out, also after a failure. */
 bool contexts_open(const struct plan_options *wish, struct contexts **out, struct error *err);
-void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
+void contexts_close(struct contexts *contexts); /* with all of its canvases; NULL is fine */
 /* Returns whether OpenGL has an extension; a canvas is open. */
 bool contexts_have(const struct contexts *contexts, const char *extension);
 
-/* A context with buffers of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
- * own, and shares no objects. */
-struct canvas {
-    struct contexts *contexts;
-    int bits; /* of a channel: 8, 10 (EGL), 16, or 32 of floats */
-    int width, height;
-    void *context; /* the library's; NULL: none */
-    bool is_stale; /* it has colours of another tile; its user keeps this */
-};
-/* The caller closes *out, also after a failure. */
+/* Opens one of MOST_CANVASES. */
 bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
                  struct error *err);
-void canvas_close(struct canvas *canvas); /* NULL is fine */
 /* Makes OpenGL draw on the canvas. `pixels`: where `fill` puts buffer 0 of its colours. */
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
 GLenum canvas_type(const struct canvas *canvas); /* of a channel */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Libraries that are opened at run time, and the table of OpenGL's functions. The static program
  * opens no library: it has no loader. */
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* static: OSMesa is built in, with its header, and there is no EGL */

@@ -2,10 +2,6 @@
 /* Renderers through OpenGL share this: uploads, the library as it describes itself, and the driver
  * by which it is judged. Geometry is uploaded once, and drawn once more in numbers. Only this file
  * says how a vertex lies in a buffer. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 /* ---- meshes ---- */
@@ -236,7 +232,7 @@ static bool textures_upload(struct drawing *of, struct error *err)
     if (!MAKE_ARRAY(of->textures, n * of->renderer.n_at_once, err, "%d textures", n))
         return false;
     for (int i = 0; i < n; i++)
-        if (texture_is_drawn(of->plan, &of->plan->textures[i]) && !upload_texture(of, i, err))
+        if (of->plan->textures[i].shown && !upload_texture(of, i, err))
             return false;
     return true;
 }
@@ -294,7 +290,7 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
                        struct error *err)
 {
     struct contexts *contexts;
-    struct canvas *canvas = NULL;
+    struct canvas *canvas;
     GLfloat pixel[4];
     const bool done = contexts_open(wish, &contexts, err) &&
                       canvas_open(contexts, 32, 1, 1, &canvas, err) &&
@@ -306,7 +302,6 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
         call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
     }
-    canvas_close(canvas);
     contexts_close(contexts);
     return done;
 }

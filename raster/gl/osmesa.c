@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Contexts of OSMesa, which draws into memory of the caller. Types and constants are those of
  * Mesa's GL/osmesa.h, which newer systems do not have. */
-#include <stdlib.h>
-
 #include "raster/gl/inside.h"
 
 typedef struct osmesa_context *OSMesaContext;

@@ -5,8 +5,6 @@
  *
  * A pass has eight lights. More lights take more passes, whose colours frame.c adds; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 struct gl {
@@ -45,19 +43,7 @@ static void place(const struct drawing *of, int instance)
     load_matrix(of->call, &of->plan->instances[instance].instance.model_view);
 }
 
-/* ---- meshes and textures ---- */
-
-/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
-static int bind_mesh(struct gl *gl, int instance)
-{
-    const GLsizei step = VERTEX_NUMBERS * sizeof(GLfloat);
-    const int n = mesh_bind(&gl->base, instance);
-    gl->base.call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
-    gl->base.call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    if (gl->textured)
-        gl->base.call->TexCoordPointer(2, GL_FLOAT, step, (const void *)(6 * sizeof(GLfloat)));
-    return n;
-}
+/* ---- textures ---- */
 
 static void switch_textures(struct gl *gl, bool on)
 {
@@ -189,7 +175,7 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded, in
         call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
-    switch_textures(gl, texture_is_drawn(plan, shaded->texture));
+    switch_textures(gl, shaded->texture);
     if (gl->textured)
         texture_bind(&gl->base, shaded->texture);
 }
@@ -199,6 +185,7 @@ static bool draw_instance(struct drawing *of, int instance, int group,
 {
     struct gl *gl = (struct gl *)of;
     const struct placed_instance *placed = &of->plan->instances[instance];
+    const GLsizei step = VERTEX_NUMBERS * sizeof(GLfloat);
     (void)err; /* see functions_succeeded */
     place_lights(gl, group);
     set_material(gl, &of->plan->materials[placed->shaded], group, batch->first_bands[0]);
@@ -206,7 +193,11 @@ static bool draw_instance(struct drawing *of, int instance, int group,
         of->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     gl->two_sided = placed->object->two_sided;
     place(of, instance);
-    const int n = bind_mesh(gl, instance);
+    const int n = mesh_bind(of, instance);
+    of->call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
+    of->call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
+    if (gl->textured)
+        of->call->TexCoordPointer(2, GL_FLOAT, step, (const void *)(6 * sizeof(GLfloat)));
     of->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
     return true;
 }

@@ -3,9 +3,6 @@
  * of a volume counts where it lies behind the surface: up where its back is seen, down where its
  * front is (Everitt and Kilgard 2002). A cap has the depth of the surface that it repeats, which is
  * not less: it counts as behind. So a surface that faces its light is not in its own volume. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/gl/inside.h"
 
 bool shadows_can_draw(const struct drawing *of, struct error *err)

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra that are tables, and end before the picture's wavelengths do. */
-#include <math.h>
-
 #include "raster/plan/inside.h"
 
 /* The tables of a plan, looked at one by one. */
@@ -82,14 +80,13 @@ static void look_at_texture(struct looked *tables, const struct texture *texture
 struct tables_found tables_look(const struct plan *plan, struct printed *to)
 {
     struct looked tables = {.plan = plan, .to = to};
-    const struct light *light = plan->scene->lights;
-    const struct light *ambient = plan->scene->ambients;
-    for (int i = 0; i < plan->scene->n_lights; i++, light++)
+    const int n_lights = plan->scene->n_lights;
+    for (int i = 0; i < n_lights + plan->scene->n_ambients; i++) {
+        const struct light *light = scene_light(plan->scene, i);
         if (light->intensity != 0)
-            look_at(&tables, "light", light->spectrum.name, &light->spectrum, false);
-    for (int i = 0; i < plan->scene->n_ambients; i++, ambient++)
-        if (ambient->intensity != 0)
-            look_at(&tables, "ambient", ambient->spectrum.name, &ambient->spectrum, false);
+            look_at(&tables, i < n_lights ? "light" : "ambient", light->spectrum.name,
+                    &light->spectrum, false);
+    }
     for (int i = 0; i < plan->n_materials; i++)
         look_at_material(&tables, &plan->materials[i]);
     for (int i = 0; i < plan->n_textures; i++)

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the lights that throw shadows into view, and the instances that throw them. Only these cost
  * anything: each such light is drawn by itself, and its shadows beside it. */
-#include <string.h>
-
 #include "raster/plan/inside.h"
 
 /* Returns the planes of the view that a direction leads away from, or along: a set of 1 << plane.

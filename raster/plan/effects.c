@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists the effects of a plan, each with the reason why it is simulated or not. */
-#include <string.h>
-
 #include "raster/plan/inside.h"
 
 /* ---- counting what the plan uses ---- */

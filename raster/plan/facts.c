@@ -2,9 +2,6 @@
 /* The facts of a plan, as JSON or in words: its work, each effect with the reason why it is
  * simulated or not, each light, each file; in words also each value that is guessed, not measured.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 
@@ -39,20 +36,17 @@ static void put_instances(struct json *json, const struct plan *plan)
 /* Puts the work that the scene does not call for, as the list "left_out". */
 static void put_left_out(const struct plan *plan, struct json *json)
 {
-    int idle_groups = 0;
-    for (int group = 0; group < plan->n_light_groups; group++)
-        idle_groups += !group_is_drawn(plan, group);
     json_open(json, "left_out", '[');
     put_instances(json, plan);
     put(json, "lights", plan->work.idle_lights, plan->n_lights, "they reach no object in view");
-    put(json, "groups of lights", idle_groups, plan->n_light_groups,
+    put(json, "groups of lights", plan->work.idle_groups, plan->n_light_groups,
         "no light of theirs reaches an object in view");
     put(json, "textures", plan->work.undrawn_textures, plan->n_textures,
         "only objects out of view have them");
     put(json, "passes", plan->passes.n_dark, plan->n_passes,
         "nothing in view has light in their bands");
-    put(json, "passes", plan->n_passes - plan->passes.n_dark - plan->passes.n_frames,
-        plan->n_passes, "they show the same as the pass before");
+    put(json, "passes", plan->passes.n_repeated, plan->n_passes,
+        "they show the same as the pass before");
     json_close(json, ']');
 }
 
@@ -60,9 +54,7 @@ static void put_left_out(const struct plan *plan, struct json *json)
 
 static void put_work(struct json *json, const struct plan *plan)
 {
-    uint64_t drawn = 0; /* passes of a tile that OpenGL draws */
-    for (int group = 0; group < plan->n_light_groups; group++)
-        drawn += group_is_drawn(plan, group) ? (uint64_t)plan->passes.n_frames : 0;
+    const uint64_t n_groups = (uint64_t)(plan->n_light_groups - plan->work.idle_groups);
     const struct rectangle picture = plan_picture(plan);
     const uint64_t tiles = (uint64_t)plan_tiles(plan, &picture);
     json_open(json, "work", '{');
@@ -76,7 +68,7 @@ static void put_work(struct json *json, const struct plan *plan)
     json_count(json, "tiles", tiles);
     json_count(json, "tile_width", (uint64_t)plan->tile_width);
     json_count(json, "tile_height", (uint64_t)plan->tile_height);
-    json_count(json, "passes", drawn * tiles);
+    json_count(json, "passes", n_groups * (uint64_t)plan->passes.n_frames * tiles);
     json_count(json, "tile_bytes", (uint64_t)plan->tile_bytes);
     json_count(json, "file_bytes", plan->file_bytes);
     json_close(json, '}');

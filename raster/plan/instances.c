@@ -2,10 +2,6 @@
 /* Objects become instances: each mesh is built once, parted by material and cut in half where a
  * material has a metameric partner, moved to its centre and placed. Objects that show the same mesh
  * share it. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/plan/inside.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */
@@ -183,15 +179,6 @@ static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct
 
 /* ---- instances ---- */
 
-/* From a mesh as it is drawn to the mesh as it was read. */
-static struct matrix placement(const struct plan_mesh *mesh)
-{
-    struct matrix place = matrix_translation(mesh->centre);
-    for (int i = 0; i < 3; i++)
-        place.row[i][i] = mesh->unit;
-    return place;
-}
-
 /* True if Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
  * must be a number above 1e-25 (m_matrix.c), and above its own rounding error, 16 of its terms; and
  * so must be the square of what its inverse, cofactors over the determinant, makes of a normal.
@@ -239,10 +226,11 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
         return true;
     if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
+    const struct vector units = {mesh->unit, mesh->unit, mesh->unit};
     placed.instance.model_view =
         matrix_product(object->background ? plan->background_to_eye
                                           : matrix_product(plan->world_to_eye, object->transform),
-                       placement(mesh));
+                       matrix_product(matrix_translation(mesh->centre), matrix_scaling(units)));
     if (!matrix_normal(&placed.instance.model_view, &placed.instance.normal_matrix) ||
         !has_inverse(&placed.instance.model_view, &placed.instance.mirrored))
         return error_at(err, object->place,

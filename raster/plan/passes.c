@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Passes: those that OpenGL need not draw, and what the others draw: the colours of materials, the
- * texels of spectral textures, and the projection and the pixels of a tile. */
-#include <stdlib.h>
-
+ * texels of spectral textures, and the projection of a tile. */
 #include "raster/plan/inside.h"
 
 /* ---- passes that need not be drawn ---- */
@@ -32,7 +30,7 @@ static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
         const struct shaded_material *shaded = &plan->materials[m];
         if (!shaded->shown)
             continue;
-        if (b != DARK && texture_is_drawn(plan, shaded->texture) && shaded->texture->spectral)
+        if (b != DARK && shaded->texture && shaded->texture->spectral)
             return false;
         for (int t = 0; t < shaded->n_terms; t++) {
             const int light = shaded->terms[t].light;
@@ -52,9 +50,9 @@ bool passes_make(struct plan *plan, struct error *err)
     bool *reaches;
     *out = (struct passes){.frame = NULL};
     const int n_lights = plan->illumination.n_lights;
+    int first = DARK; /* pass of the last frame */
     const bool done = MAKE_ARRAY(reaches, n_lights, err, "%d lights", n_lights) &&
-                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
-                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
+                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n);
     for (int i = 0; i < plan->n_lights && done; i++)
         if (!plan->is_idle[i])
             reaches[plan->lights[i].first] = true;
@@ -64,11 +62,13 @@ bool passes_make(struct plan *plan, struct error *err)
             out->n_dark++;
             continue;
         }
-        if (complete || out->n_frames == 0 ||
-            !is_same(plan, reaches, out->first_pass[out->n_frames - 1], pass))
-            out->first_pass[out->n_frames++] = pass;
+        if (complete || !is_same(plan, reaches, pass, first)) {
+            first = pass;
+            out->n_frames++;
+        }
         out->frame[pass] = out->n_frames - 1;
     }
+    out->n_repeated = plan->n_passes - out->n_dark - out->n_frames;
     free(reaches);
     return done;
 }
@@ -163,29 +163,4 @@ struct matrix pass_projection(const struct plan *plan, const struct rectangle *t
     for (int i = 0; i < 4 && mirrored; i++)
         out.row[1][i] = -out.row[1][i];
     return out;
-}
-
-static size_t count_numbers(const struct plan *plan)
-{
-    return 4 * (size_t)plan->tile_width * (size_t)plan->tile_height;
-}
-
-void pass_convert(const struct plan *plan, const void *steps, float *pixels)
-{
-    const size_t n = count_numbers(plan);
-    const uint16_t *words = steps;
-    const uint8_t *bytes = steps;
-    const uint32_t whole = (uint32_t)buffer_steps(plan);
-    const bool wide = whole > UINT8_MAX;
-    for (size_t i = 0; i < n; i++)
-        pixels[i] = (float)(wide ? (words[i] * whole + UINT16_MAX / 2) / UINT16_MAX : bytes[i]) /
-                    (float)whole;
-}
-
-void pass_add(const struct plan *plan, const float *part, const uint8_t *reached, float *sum)
-{
-    const size_t n = count_numbers(plan);
-    for (size_t i = 0; i < n; i++)
-        if (!reached || reached[i / 4])
-            sum[i] += part[i];
 }

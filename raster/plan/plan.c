@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Decides, once and before anything is drawn, what a scene calls for: which lights shine, which
  * terms each material needs, which meshes, passes and tiles follow. Nothing else is computed. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "raster/plan/inside.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
@@ -162,8 +159,7 @@ const char *object_name(const struct plan *plan, int surface)
 
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity)
 {
-    const struct place place =
-        surface >= 0 ? plan->instances[surface].object->place : (struct place){NULL, 0, 0};
+    const struct place place = surface >= 0 ? plan->instances[surface].object->place : NOWHERE;
     if (place.path)
         snprintf(out, capacity, "%s (%s:%d)", object_name(plan, surface), place.path, place.line);
     else
@@ -260,8 +256,8 @@ void plan_free(struct plan *plan)
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
-             plan->passes.first_pass, plan->materials, plan->textures, plan->lights, plan->sources);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->passes.frame, plan->materials,
+             plan->textures, plan->lights, plan->sources);
     index_free(&plan->by_material);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};

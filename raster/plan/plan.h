@@ -81,9 +81,8 @@ struct plan_options {
  *              and constant                    light reaches      light reaches */
 enum { DARK = -1 };
 struct passes {
-    int n_frames, n_dark; /* n_dark: passes without a frame */
-    int *frame;           /* of each pass, ascending; or DARK; owned */
-    int *first_pass;      /* of each frame; owned */
+    int n_frames, n_dark, n_repeated; /* passes without a frame; or with that of another pass */
+    int *frame;                       /* of each pass, ascending; or DARK; owned */
 };
 struct plan {
     const struct scene *scene;
@@ -104,7 +103,7 @@ struct plan {
     struct eye_light *lights;         /* those that shine, in the order of the scene; but those
                                          that throw shadows into view come last: see struct view */
     const struct light **sources;     /* each of them as the scene has it */
-    bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
+    bool *is_idle;                    /* lights that add exactly 0 to all in view; owned */
     int n_meshes, n_materials, n_textures, n_instances, n_lights;
     int n_light_groups;          /* passes that a group of bands takes: see light_group */
     int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
@@ -114,7 +113,8 @@ struct plan {
     struct plan_effect effects[N_EFFECTS];
     struct passes passes;
     struct plan_work { /* counted where it is done */
-        long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
+        long excitation_integrals, terms, unseen_instances, idle_lights, idle_groups,
+            undrawn_textures;
     } work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };
@@ -165,8 +165,6 @@ bool group_is_drawn(const struct plan *plan, int group);
 bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
 /* The pixels that are stored have other levels of detail than those that are checked. */
 bool checks_other_rows(const struct plan *plan);
-/* OpenGL needs the texture (NULL: none): it is in view. */
-bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */
 
@@ -192,11 +190,6 @@ enum { VERTEX_NUMBERS = 8 };
 void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
-/* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
- * buffer to parts of full scale (10 bits are read as 16); adds what one group of lights adds to the
- * others, where it reaches the pixel; reached NULL: everywhere. */
-void pass_convert(const struct plan *plan, const void *steps, float *pixels);
-void pass_add(const struct plan *plan, const float *part, const uint8_t *reached, float *sum);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan's lights: where they stand in eye space, and which of them light anything. */
-#include <stdlib.h>
-
 #include "raster/plan/inside.h"
 
 /* Distances in eye space are below this: their squares are numbers in single precision. */

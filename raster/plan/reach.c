@@ -2,8 +2,6 @@
 /* Finds the instances in view, the materials and textures that these show, and the lights that
  * reach them. OpenGL gets nothing else. Margins here exceed all bounds of single precision, so that
  * in doubt an instance is in view, and a light reaches it. */
-#include <math.h>
-
 #include "raster/plan/inside.h"
 
 /* ---- instances in view ---- */
@@ -122,20 +120,11 @@ static bool reaches_instance(const struct eye_light *light, const struct instanc
     return false;
 }
 
-static bool reaches_any(const struct plan *plan, const struct eye_light *light)
-{
-    for (int i = 0; i < plan->n_instances; i++)
-        if (plan->instances[i].in_view && reaches_instance(light, &plan->instances[i].instance))
-            return true;
-    return false;
-}
-
 /* ---- all of it ---- */
 
 bool reach_find(struct plan *plan, struct error *err)
 {
-    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
-        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights))
         return false;
     for (int i = 0; i < plan->n_instances; i++) {
         struct placed_instance *placed = &plan->instances[i];
@@ -145,17 +134,22 @@ bool reach_find(struct plan *plan, struct error *err)
         plan->work.unseen_instances += !placed->in_view;
         shaded->shown = shaded->shown || placed->in_view;
         if (shaded->shown && shaded->texture)
-            plan->shows_texture[shaded->texture - plan->textures] = true;
+            shaded->texture->shown = true;
     }
     for (int i = 0; i < plan->n_textures; i++)
-        plan->work.undrawn_textures += !plan->shows_texture[i];
+        plan->work.undrawn_textures += !plan->textures[i].shown;
     if (!casters_find(plan, err))
         return false;
     for (int i = 0; i < plan->n_lights; i++) {
-        plan->is_idle[i] = !plan->options.exchangeable && plan->view.shading != PHONG &&
-                           !reaches_any(plan, &plan->lights[i]);
-        plan->work.idle_lights += plan->is_idle[i];
+        bool reaches = plan->options.exchangeable || plan->view.shading == PHONG;
+        for (int k = 0; k < plan->n_instances && !reaches; k++)
+            reaches = plan->instances[k].in_view &&
+                      reaches_instance(&plan->lights[i], &plan->instances[k].instance);
+        plan->is_idle[i] = !reaches;
+        plan->work.idle_lights += !reaches;
     }
+    for (int group = 0; group < plan->n_light_groups; group++)
+        plan->work.idle_groups += !group_is_drawn(plan, group);
     return true;
 }
 
@@ -172,16 +166,11 @@ bool plan_has_mipmaps(const struct plan *plan)
 {
     bool has = false;
     for (int i = 0; i < plan->n_textures; i++)
-        has = has || (plan->shows_texture[i] && plan->textures[i].n_levels > 1);
+        has = has || (plan->textures[i].shown && plan->textures[i].n_levels > 1);
     return has;
 }
 
 bool checks_other_rows(const struct plan *plan)
 {
     return plan->options.store_raster && plan->options.check && plan_has_mipmaps(plan);
-}
-
-bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
-{
-    return texture && plan->shows_texture[texture - plan->textures];
 }

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Materials under the lights of the plan, each made when it is first asked for, with its texture. A
  * material without terms is black: its texture is not opened. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 
@@ -48,7 +44,7 @@ void plan_place(const struct texels *texels, const double *rows, size_t stride,
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
 {
     for (int i = 0; i < plan->n_textures; i++)
-        if (plan->shows_texture[i] &&
+        if (plan->textures[i].shown &&
             !texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
                           pass_bands(plan, first_band), err))
             return false;
@@ -93,8 +89,8 @@ double shaded_radiance(const struct plan *plan, const struct shaded_material *sh
     return radiance;
 }
 
-static bool find_terms(struct plan *plan, const struct material *material, int *out,
-                       struct error *err)
+bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
+                          struct error *err)
 {
     *out = index_find(&plan->by_material, &material, sizeof material);
     if (*out >= 0)
@@ -106,20 +102,11 @@ static bool find_terms(struct plan *plan, const struct material *material, int *
         return false;
     plan->work.terms += shaded->made.n;
     plan->work.excitation_integrals += shaded->made.excitation_integrals;
-    return copy_terms(plan, shaded, err) &&
-           index_add(&plan->by_material, &material, sizeof material, *out, err);
-}
-
-bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
-                          struct error *err)
-{
-    if (!find_terms(plan, material, out, err))
+    if (!copy_terms(plan, shaded, err) ||
+        !index_add(&plan->by_material, &material, sizeof material, *out, err))
         return false;
-    struct shaded_material *shaded = &plan->materials[*out];
-    if (material->texture && shaded->n_terms > 0 && !shaded->texture) {
-        shaded->texture = find_texture(plan, material, err);
-        if (!shaded->texture)
-            return false;
-    }
-    return true;
+    if (!material->texture || shaded->n_terms == 0)
+        return true;
+    shaded->texture = find_texture(plan, material, err);
+    return shaded->texture;
 }

@@ -3,8 +3,6 @@
  * byte for byte. */
 #include <ctype.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/render/inside.h"
 
@@ -46,10 +44,9 @@ static bool again_options(const struct options *options, const struct record *re
 /* Finds whether a file lies below the working folder, all links followed. */
 static bool find_below(const char *path, bool *below, struct error *err)
 {
-    const struct place nowhere = {NULL, 0, 0};
     char folder[PATH_MAX], file[PATH_MAX];
     if (!realpath(".", folder) || !realpath(path, file))
-        return error_cause(err, nowhere, "cannot find the folder of %s", path);
+        return error_cause(err, NOWHERE, "cannot find the folder of %s", path);
     const size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
     *below = strncmp(file, folder, length) == 0 && file[length] == '/';
     return true;
@@ -161,8 +158,8 @@ static bool render_recorded(const struct options *options, const struct render_o
     struct record record = {.text = NULL};
     struct options made = {.operand = NULL};
     const struct render_options *own = options->own;
-    bool done = record_open(own->again, &image, &record, err) &&
-                again_options(options, &record, &made, err) &&
+    bool done = image_open(own->again, NOWHERE, tags_read, &image, err) &&
+                record_read(&image, &record, err) && again_options(options, &record, &made, err) &&
                 (own->trust || record_is_trusted(own->again, &record, err)) &&
                 can_be_same(&record, output, err) &&
                 render_with_options(&made, output, &record, err);

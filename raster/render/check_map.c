@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The map of a check: what could pass at each pixel, how near OpenGL came to it, and the verdict.
  * A TIFF has these as numbers. A PNG shows both floors in colours, side by side. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 enum { MAP_FLOOR, MAP_BAND_FLOOR, MAP_RATIO, MAP_CLASS, MAP_PAGES };

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral render: plans and renders a scene, and reports the result. again.c takes the scene and
  * the options from a stack's record instead. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- checks before anything is drawn ---- */
@@ -90,16 +86,6 @@ static bool print_header(const char *stack, struct printed *to, struct error *er
     return done;
 }
 
-/* Puts what -v asks for: the plan, and all figures. */
-static bool put_verbose(const struct rendered *of, struct json *words, struct error *err)
-{
-    plan_facts(of->plan, words);
-    if (!plan_put_files(of->plan, of->options->detector, words, err))
-        return false;
-    report_put(of->plan, &of->result, words);
-    return true;
-}
-
 static bool print_report(const struct rendered *of, struct printed *to, struct error *err)
 {
     const struct render_output *output = of->output;
@@ -121,7 +107,8 @@ static bool print_report(const struct rendered *of, struct printed *to, struct e
     return !of->stored || print_header(of->stored, to, err);
 }
 
-/* Shows the table. JSON, the stack itself (-o -) or the map may use standard output. */
+/* Shows the table; with -v behind the plan and all figures. JSON, the stack itself (-o -) or the
+ * map may use standard output. */
 static bool show_report(const struct rendered *of, struct error *err)
 {
     const struct options *options = of->options;
@@ -129,9 +116,13 @@ static bool show_report(const struct rendered *of, struct error *err)
     const int to = options_table(options, map && output_is_stream(map) ? map : of->stored);
     struct json words;
     words_begin(&words);
-    const bool done = options->quiet || ((!options->verbose || put_verbose(of, &words, err)) &&
-                                         print_report(of, &words.printed, err));
-    return done && printed_show(&words.printed, to, err);
+    if (options->verbose && !options->quiet) {
+        plan_facts(of->plan, &words);
+        plan_put_files(of->plan, options->detector, &words, err);
+        report_put(of->plan, &of->result, &words);
+    }
+    return (options->quiet || print_report(of, &words.printed, err)) &&
+           printed_show(&words.printed, to, err);
 }
 
 /* Fails if the pictures differ, or the stack from the one that is made again. */
@@ -223,15 +214,6 @@ static bool part_read(const char *value, struct picture_part *out, struct error 
     return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);
 }
 
-/* Each part gets a name of its own where the command line gives none. */
-static bool name_stack(struct options *options, const struct picture_part *part, struct error *err)
-{
-    char ending[48] = ".tif";
-    if (part->count > 0)
-        snprintf(ending, sizeof ending, ".%d-of-%d.tif", part->number, part->count);
-    return options_name_output(options, options_scene(options), ending, err);
-}
-
 /* A program without OpenGL draws by the reference where no renderer is given. */
 static bool choose_renderer(struct options *options, struct error *err)
 {
@@ -242,16 +224,23 @@ static bool choose_renderer(struct options *options, struct error *err)
     return options_record(options, "--renderer", own->renderer, err);
 }
 
-/* Renders a scene, or a part of it, and reports the result. */
-static bool render_scene(struct options *options, struct error *err)
+/* Renders a scene, or a part of it, and reports the result; or makes a stack again. */
+static bool run_render(struct options *options, struct error *err)
 {
     const struct render_options *own = options->own;
     struct picture_part part = {.count = 0};
+    char ending[48] = ".tif";
+    if (own->again)
+        return render_again(options, err);
     if (own->part && (own->check_map || own->maps))
         return error_usage(err, "--part takes no %s, which shows the whole picture",
                            own->maps ? "--maps" : "--check-map");
-    if (!choose_renderer(options, err) || (own->part && !part_read(own->part, &part, err)) ||
-        !name_stack(options, &part, err))
+    if (own->part && !part_read(own->part, &part, err))
+        return false;
+    if (own->part) /* each has a name of its own where the command line gives none */
+        snprintf(ending, sizeof ending, ".%d-of-%d.tif", part.number, part.count);
+    if (!choose_renderer(options, err) ||
+        !options_name_output(options, options_scene(options), ending, err))
         return false;
     if (stores_raster(own))
         options_forget_check(options);
@@ -262,12 +251,6 @@ static bool render_scene(struct options *options, struct error *err)
                                          .outputs = &options->outputs,
                                          .part = part};
     return render_with_options(options, &wanted, NULL, err);
-}
-
-static bool run_render(struct options *options, struct error *err)
-{
-    const struct render_options *own = options->own;
-    return own->again ? render_again(options, err) : render_scene(options, err);
 }
 
 /* ---- options ---- */

@@ -98,7 +98,4 @@ bool render_again(struct options *options, struct error *err);
 /* The word of --renderer is "raster": the stack has the pixels of the reference. */
 bool stores_raster(const struct render_options *own);
 
-/* Puts what the judge of shading found, as the object "accuracy". */
-void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);
-
 #endif

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* From a command line to a plan. */
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- what the options ask for ---- */
@@ -107,8 +105,9 @@ bool job_read(const struct options *options, bool foreign, struct render_job *jo
 bool job_plan(const struct options *options, struct render_job *job, struct error *err)
 {
     const double start = clock_seconds();
+    const struct sampling *sampling = job->sampling.pages.n > 0 ? &job->sampling : NULL;
     const bool done =
-        plan_make(&job->scene, sampling_or_none(&job->sampling), &job->options, &job->plan, err) &&
+        plan_make(&job->scene, sampling, &job->options, &job->plan, err) &&
         (!shading_judge || shading_judge->refine(options, &job->plan, &job->notes.shading, err));
     job->seconds.plan = clock_seconds() - start;
     return done;

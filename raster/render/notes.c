@@ -218,18 +218,6 @@ void notes_put(const struct notes *notes, struct json *json)
     json_close(json, ']');
 }
 
-void notes_print_shading(const struct notes *notes, struct printed *to)
-{
-    if (notes->shading)
-        shading_judge->print(notes->shading, to);
-}
-
-void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json)
-{
-    if (notes->shading)
-        shading_judge->put(plan, notes->shading, json);
-}
-
 void notes_free(struct notes *notes)
 {
     if (notes->shading)

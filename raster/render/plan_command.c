@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral plan: what would be simulated, and why. */
-#include <stdlib.h>
-
 #include "raster/render/inside.h"
 
 /* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
@@ -14,24 +12,20 @@ static bool make_notes(const struct plan *plan, struct notes *out, struct error 
     return done;
 }
 
-static bool put_plan(const struct render_job *job, const char *detector, struct json *json,
-                     struct error *err)
-{
-    plan_facts(&job->plan, json);
-    notes_put_shading(&job->plan, &job->notes, json);
-    notes_put(&job->notes, json);
-    return plan_put_files(&job->plan, detector, json, err);
-}
-
 static bool run_plan(struct options *options, struct error *err)
 {
     struct render_job job = {.options = {.threads = options->threads}};
     struct json json;
     (options->json ? json_begin : words_begin)(&json);
-    const bool made = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
-                      job_plan(options, &job, err) && make_notes(&job.plan, &job.notes, err) &&
-                      put_plan(&job, options->detector, &json, err);
-    const bool done = json_write(&json, options->json, &options->outputs, err) && made;
+    if (scene_read_sampled(options, &job.scene, &job.sampling, err) &&
+        job_plan(options, &job, err) && make_notes(&job.plan, &job.notes, err)) {
+        plan_facts(&job.plan, &json);
+        if (job.notes.shading)
+            shading_judge->put(&job.plan, job.notes.shading, &json);
+        notes_put(&job.notes, &json);
+        plan_put_files(&job.plan, options->detector, &json, err);
+    }
+    const bool done = json_write(&json, options->json, &options->outputs, err);
     job_free(&job);
     return done;
 }

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
-#include <stdlib.h>
-#include <time.h>
-
 #include "raster/render/inside.h"
 
 const char *render_stored(const struct plan *plan, const struct render_result *result)
@@ -15,11 +12,9 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Prepares the check of all bands together, and its map if the output has one. */
 static bool open_check(struct rendering *of, struct error *err)
 {
-    static const struct verdict_limits usual = {false, USUAL_UNCHECKED};
     const struct render_output *output = of->output;
-    of->check_scene = (struct check_scene){.lit = &of->lit,
-                                           .limits = output->limits ? output->limits : &usual,
-                                           .mapped = output->check_map != NULL};
+    of->check_scene = (struct check_scene){
+        .lit = &of->lit, .limits = output->limits, .mapped = output->check_map != NULL};
     const bool done =
         fit_make(&of->lit, &of->check_scene.fit, err) &&
         totals_open(&of->check_scene, &of->totals, err) &&
@@ -188,12 +183,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
 static void take_results(struct rendering *of)
 {
     struct render_result *result = of->result;
-    const struct passes *passes = &of->plan->passes;
-    if (of->renderer) {
+    if (of->renderer)
         result->gl = of->renderer->work;
-        result->dark_passes = passes->n_dark;
-        result->repeated_passes = of->plan->n_passes - passes->n_dark - passes->n_frames;
-    }
     if (of->check_scene.lit) {
         totals_finish(&of->totals);
         result->check = of->totals.verdict;
@@ -226,25 +217,18 @@ static bool finish_stack(struct rendering *of, struct error *err)
     return output_pass(&of->stack.pages.output, output->outputs, err);
 }
 
-/* Both files are complete before the first of them appears. */
+/* Completes all. Both files are complete before the first of them appears. */
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
+    of->since = clock_seconds();
+    take_results(of);
     if ((of->check_scene.mapped && !picture_finish(&of->map.picture, err)) ||
         (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
     return !of->check_scene.mapped ||
            output_pass(&of->map.picture.pages.output, output->outputs, err);
-}
-
-static bool render_all(struct rendering *of, struct error *err)
-{
-    if (!prepare(of, err) || !stages_run(of, err))
-        return false;
-    of->since = clock_seconds();
-    take_results(of);
-    return finish(of, err);
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
@@ -254,7 +238,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     struct rendering of = {
         .plan = plan, .output = output, .result = out, .progress = progress, .since = start};
     *out = (struct render_result){.notes = output->notes};
-    bool done = render_all(&of, err);
+    const bool done = prepare(&of, err) && stages_run(&of, err) && finish(&of, err);
     if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
         notes_of_nothing(output->notes);
     stack_discard(&of.stack); /* keeps a stack that has been passed on */

@@ -31,8 +31,6 @@ enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
                 struct error *err);
 
-/* Prints in a line how far the shading is off. */
-void notes_print_shading(const struct notes *notes, struct printed *to);
 /* Prints a line for each note. */
 void notes_print(const struct notes *notes, struct printed *to);
 /* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
@@ -49,6 +47,7 @@ struct shading_judge {
     /* Judges about so many pixels, unless the plan was refined, and adds notes. */
     bool (*judge)(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err);
     void (*print)(const struct shading *shading, struct printed *to); /* in a line */
+    /* as the object "accuracy" */
     void (*put)(const struct plan *plan, const struct shading *shading, struct json *json);
     void (*free)(struct shading *shading);
 };
@@ -76,7 +75,6 @@ struct render_result {
     struct renderer_names names; /* empty: OpenGL did not draw */
     struct driver driver;        /* whose bounds the check uses */
     struct renderer_work gl;
-    int dark_passes, repeated_passes; /* that OpenGL does not draw, in each tile */
     struct light_work light;
     struct check_verdict check;
     struct odd_samples odd;
@@ -93,7 +91,7 @@ struct render_foreign {
     void *of;
 };
 struct render_output {
-    const struct verdict_limits *limits; /* NULL: the usual ones */
+    const struct verdict_limits *limits; /* of the check, if there is one */
     const char *path;                    /* of the stack; NULL: no stack is written */
     const char *check_map;               /* the map of the check; NULL: none is wanted */
     const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */

@@ -1,15 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports a render: as a table, and all figures as facts. */
-#include <math.h>
-#include <string.h>
-
 #include "raster/render/inside.h"
-
-/* NaN: there is none. */
-static double rms(const struct check_samples *samples)
-{
-    return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : (double)NAN;
-}
 
 /* A figure that does not exist: words say none, JSON says null. */
 static const double no_figure = (double)NAN;
@@ -80,8 +71,8 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     if (plan->options.check && !driver_is_known(&result->driver))
         print_bounds(&result->driver, to);
     print_verdict(plan, &result->check, to);
-    if (result->notes)
-        notes_print_shading(result->notes, to);
+    if (result->notes && result->notes->shading)
+        shading_judge->print(result->notes->shading, to);
     print_lacks(&result->check.lacks, to);
     print_clipped(plan, result, to);
     if (result->notes)
@@ -91,6 +82,16 @@ void report_print(const struct plan *plan, const struct render_result *result, s
 }
 
 /* ---- all figures ---- */
+
+/* Opens an object; where it is not there, puts null, and returns false. */
+static bool open_object(struct json *json, const char *name, bool is_there)
+{
+    if (is_there)
+        json_open(json, name, '{');
+    else
+        json_string(json, name, NULL);
+    return is_there;
+}
 
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
@@ -131,6 +132,7 @@ static void json_effects(struct json *json, const struct plan *plan)
 static void json_work(struct json *json, const struct plan *plan,
                       const struct render_result *result)
 {
+    const bool use_gl = plan->options.use_gl;
     json_open(json, "work", '{');
     json_count(json, "gl_passes", (uint64_t)result->gl.passes);
     json_count(json, "draw_calls", (uint64_t)result->gl.draw_calls);
@@ -145,8 +147,8 @@ static void json_work(struct json *json, const struct plan *plan,
     json_count(json, "unseen_instances", (uint64_t)plan->work.unseen_instances);
     json_count(json, "idle_lights", (uint64_t)plan->work.idle_lights);
     json_count(json, "undrawn_textures", (uint64_t)plan->work.undrawn_textures);
-    json_count(json, "dark_passes", (uint64_t)result->dark_passes);
-    json_count(json, "repeated_passes", (uint64_t)result->repeated_passes);
+    json_count(json, "dark_passes", use_gl ? (uint64_t)plan->passes.n_dark : 0);
+    json_count(json, "repeated_passes", use_gl ? (uint64_t)plan->passes.n_repeated : 0);
     json_close(json, '}');
 }
 
@@ -158,11 +160,8 @@ static void json_failure(struct json *json, const struct plan *plan,
     const bool has_nm = has_band && !has_components(plan);
     const int side = plan->scene->positions;
     char page[BAND_NAME];
-    if (!first->found) {
-        json_string(json, "first_unexplained", NULL);
+    if (!open_object(json, "first_unexplained", first->found))
         return;
-    }
-    json_open(json, "first_unexplained", '{');
     json_count(json, "x", (uint64_t)(first->x / side));
     json_count(json, "y", (uint64_t)(first->y / side));
     json_string(json, "what", kinds[first->kind]);
@@ -219,12 +218,14 @@ static void json_check(struct json *json, const struct plan *plan,
                        const struct check_verdict *verdict)
 {
     const struct check_samples *samples = &verdict->samples;
-    json_open(json, "check", '{');
+    if (!open_object(json, "check", plan->options.check))
+        return;
     json_count(json, "samples", samples->n);
     json_count(json, "exact", samples->exact);
     json_count(json, "within_1", samples->within_1);
     json_number(json, "max_counts", samples->largest);
-    json_number(json, "rms_counts", rms(samples));
+    json_number(json, "rms_counts",
+                samples->n > 0 ? sqrt(samples->sum_of_squares / (double)samples->n) : no_figure);
     json_number(json, "mean_residual_counts", mean_residual(samples));
     json_number(json, "mean_residual_limit_counts", verdict->mean_limit);
     json_truth(json, "biased", is_biased(verdict));
@@ -254,11 +255,8 @@ static void json_check(struct json *json, const struct plan *plan,
 
 static void json_again(struct json *json, const struct stack_difference *difference)
 {
-    if (!difference->compared) {
-        json_string(json, "again", NULL);
+    if (!open_object(json, "again", difference->compared))
         return;
-    }
-    json_open(json, "again", '{');
     json_truth(json, "same", !difference->found);
     if (difference->found && difference->page >= 0) {
         json_count(json, "page", (uint64_t)difference->page + 1);
@@ -270,11 +268,8 @@ static void json_again(struct json *json, const struct stack_difference *differe
 
 static void json_part(struct json *json, const struct part_rows *rows)
 {
-    if (rows->count == 0) {
-        json_string(json, "part", NULL);
+    if (!open_object(json, "part", rows->count > 0))
         return;
-    }
-    json_open(json, "part", '{');
     json_count(json, "first_row", (uint64_t)rows->first);
     json_count(json, "rows", (uint64_t)rows->count);
     json_close(json, '}');
@@ -301,12 +296,10 @@ static void put_figures(const struct plan *plan, const struct render_result *res
     json_work(json, plan, result);
     if (!json->words)
         json_string(json, "verdict", verdict_word(plan, &result->check));
-    if (plan->options.check)
-        json_check(json, plan, &result->check);
-    else
-        json_string(json, "check", NULL);
+    json_check(json, plan, &result->check);
     if (result->notes && !json->words) {
-        notes_put_shading(plan, result->notes, json);
+        if (result->notes->shading)
+            shading_judge->put(plan, result->notes->shading, json);
         notes_put(result->notes, json);
     }
     json_again(json, &result->difference);

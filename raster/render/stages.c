@@ -2,8 +2,6 @@
 /* The passes of all tiles, by two stages that work side by side. One draws by OpenGL, three bands a
  * pass. One draws the reference of each tile, judges what OpenGL has drawn, counts and writes. The
  * stages do the same work in the same order, however far one is ahead of the other. */
-#include <stdlib.h>
-
 #include "raster/render/inside.h"
 
 /* Counts on their way to the stack, of pages of a tile that follow one another. */
@@ -23,8 +21,7 @@ struct state {
     int tile;                        /* how many are judged */
     int frame, place;                /* the current frame, and where it is; DARK: none */
     float *black;                    /* a row of a frame that is not drawn; owned */
-    long steps, all_steps;
-    double since; /* clock_seconds when the reference began to draw */
+    double since;                    /* clock_seconds when the reference began to draw */
 };
 
 void clock_in(double *since, double *part)
@@ -67,23 +64,16 @@ static bool draw_numbers(struct state *state, int tile, struct error *err)
     return true;
 }
 
-/* Waits for free places, and takes them for the frames of a batch. */
-static bool take_places(struct state *state, struct frame_batch *batch)
+/* Waits for free places, and draws the frames of a batch there. */
+static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
 {
+    struct renderer *renderer = state->of->renderer;
     for (int i = 0; i < batch->n; i++) {
         batch->buffers[i] = places_wait(&state->frames, 0);
         if (batch->buffers[i] < 0)
             return false;
         places_set(&state->frames, batch->buffers[i], TAKEN);
     }
-    return true;
-}
-
-static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
-{
-    struct renderer *renderer = state->of->renderer;
-    if (!take_places(state, batch))
-        return false;
     double since = clock_seconds();
     if (renderer->kind->draw && !renderer->kind->draw(renderer, batch, err))
         return false;
@@ -93,18 +83,6 @@ static bool draw_batch(struct state *state, int tile, struct frame_batch *batch,
         places_set(&state->frames, batch->buffers[i], frame_number(state, tile, frame));
     }
     return true;
-}
-
-/* Lists the first bands of a tile's frames in the order of drawing: those with pilots come first.
- */
-static void order_frames(const struct state *state, int *first_bands)
-{
-    const struct passes *passes = &state->plan->passes;
-    int n = 0;
-    for (int with = 1; with >= 0; with--)
-        for (int frame = 0; frame < passes->n_frames; frame++)
-            if (has_pilots(state, frame) == (with == 1))
-                first_bands[n++] = passes->first_pass[frame] * BANDS_PER_PASS;
 }
 
 static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
@@ -131,11 +109,12 @@ static bool draw_tiles(void *context, struct error *err)
     struct state *state = context;
     const struct plan *plan = state->plan;
     const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
-    int *first_bands;
-    bool done = true;
-    if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
-        return false;
-    order_frames(state, first_bands);
+    int *first_bands, n = 0; /* of a tile's frames; those with pilots come first */
+    bool done = MAKE_ARRAY(first_bands, n_frames, err, "the order of passes");
+    for (int with = 1; with >= 0 && done; with--)
+        for (int pass = 0, frame = 0; pass < plan->n_passes; pass++)
+            if (plan->passes.frame[pass] == frame && has_pilots(state, frame++) == with)
+                first_bands[n++] = pass * BANDS_PER_PASS;
     for (int i = 0; i < n_tiles && done; i++)
         done = draw_tile(state, i, first_bands, err);
     free(first_bands);
@@ -164,8 +143,9 @@ enum { FEW_PIXELS = 1 << 14 };
 /* Calls work(of, i) for each i below n, a number for each chunk at least. */
 static void share_work(struct tile_pass *of, int n, void (*work)(void *of, int i))
 {
-    const size_t n_pixels = (size_t)of->tile->at.width * (size_t)of->tile->at.height;
-    threads_each(threads_for(of->state->plan->options.threads, n_pixels, FEW_PIXELS), n, work, of);
+    const int n_threads = of->state->plan->options.threads,
+              worth = of->tile->at.width * of->tile->at.height / FEW_PIXELS;
+    threads_each(worth < n_threads ? worth : n_threads, n, work, of);
 }
 
 /* OpenGL's pixels of a chunk. */
@@ -396,9 +376,9 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
- * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
- * number counts as background. */
+/* Returns the number, from 1, of the object at a position of the tile; 0: the background. The
+ * renderer of the stored pixels decides: the reference's picture, or OpenGL's last identification.
+ * An unknown surface number counts as background. */
 static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
 {
     const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
@@ -409,8 +389,8 @@ static int object_at(const struct rendering *of, const struct tile *tile, int x,
     return surface < of->plan->n_instances ? surface + 1 : 0;
 }
 
-/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
- */
+/* Returns the object that most positions of a pixel show, as object_at does; of equally many the
+ * one that comes first. */
 static int pixel_object(const struct rendering *of, const struct tile *tile, int x, int y)
 {
     const int side = of->plan->scene->positions, n = side * side;
@@ -427,30 +407,24 @@ static int pixel_object(const struct rendering *of, const struct tile *tile, int
     return best;
 }
 
-/* Fills the object map of a tile: of each pixel the number, from 1, of the object that most of its
- * positions show; 0: the background. at: the tile in pixels of the stack. */
-static void map_objects(const struct rendering *of, const struct tile *tile,
-                        const struct rectangle *at, unsigned char *out)
-{
-    for (int y = 0; y < at->height; y++)
-        for (int x = 0; x < at->width; x++) {
-            const int object = pixel_object(of, tile, x, y);
-            *out++ = (unsigned char)(object % 256);
-            if (of->plan->map_bytes > 1)
-                *out++ = (unsigned char)(object / 256);
-        }
-}
-
-/* Writes the object map of a tile: the page after the last one. */
+/* Writes the object map of a tile, the page after the last one: the number of each pixel's object.
+ */
 static bool add_object_map(struct state *state, const struct tile *tile, struct error *err)
 {
     struct counted *map = &state->written; /* free: the last pass of the tile before is counted */
+    unsigned char *out = map->samples[0];
     if (state->plan->map_bytes == 0 || !state->of->output->path)
         return true;
     map->at = plan_pixels(state->plan, &tile->at);
     map->first_page = state->plan->n_bands;
     map->n_pages = 1;
-    map_objects(state->of, tile, &map->at, map->samples[0]);
+    for (int y = 0; y < map->at.height; y++)
+        for (int x = 0; x < map->at.width; x++) {
+            const int object = pixel_object(state->of, tile, x, y);
+            *out++ = (unsigned char)(object % 256);
+            if (state->plan->map_bytes > 1)
+                *out++ = (unsigned char)(object / 256);
+        }
     return write_counted(state, map, err);
 }
 
@@ -460,6 +434,8 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
 {
     struct state *state = context;
     const bool checking = state->plan->options.check;
+    const int n_passes = state->plan->n_passes;
+    const long all = (long)plan_tiles(state->plan, &state->of->region) * n_passes;
     clock_in(&state->since, &state->of->result->seconds.raster);
     for (int i = 0; i < tile->n_chunks; i++)
         light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
@@ -467,11 +443,10 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     if (done && checking)
         places_set(&state->numbers, 0, 0);
     done = done && learn_pilots(state, tile, err);
-    for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
+    for (int pass = 0; done && pass < n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
-        state->steps++;
         if (state->of->progress)
-            progress_show(state->of->progress, state->steps, state->all_steps);
+            progress_show(state->of->progress, (long)state->tile * n_passes + pass + 1, all);
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);
@@ -485,7 +460,6 @@ static bool treat_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct rendering *of = state->of;
-    state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
     return tiles_each(&of->lit, &of->region, treat_tile, state, err) &&
            write_counted(state, &state->counted, err);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The verdict in words: for the table, for the stack, and for the message of a render that failed.
  */
-#include <string.h>
-
 #include "raster/render/inside.h"
 
 /* ---- the verdict ---- */
@@ -62,13 +60,6 @@ static void unchecked_text(const struct plan *plan, const struct check_verdict *
              causes[verdict->unchecked_cause]);
 }
 
-static void biased_text(const struct check_verdict *verdict, char *out, size_t capacity)
-{
-    snprintf(out, capacity,
-             "OpenGL is off by %+.3g counts on average, and roundings leave at most %.3g",
-             mean_residual(&verdict->samples), verdict->mean_limit);
-}
-
 /* The verdict with its reason. */
 static void reason_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                         size_t capacity)
@@ -87,7 +78,9 @@ static void reason_text(const struct plan *plan, const struct check_verdict *ver
         break;
     case OUTCOME_DIFFERS:
         if (verdict->unexplained == 0)
-            biased_text(verdict, out, capacity);
+            snprintf(out, capacity,
+                     "OpenGL is off by %+.3g counts on average, and roundings leave at most %.3g",
+                     mean_residual(&verdict->samples), verdict->mean_limit);
         else
             snprintf(out, capacity, "%llu of %llu pixels are not explained",
                      (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels);

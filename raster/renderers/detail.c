@@ -3,8 +3,6 @@
  * of how many texels a step to the next pixel takes in. The specification defines it by partial
  * derivatives, and lets a driver take differences, other norms and a rough logarithm. Whoever
  * believes a picture with mipmaps believes this file beside the reference. */
-#include <math.h>
-
 #include "raster/renderers/renderers.h"
 
 struct detail_pixels detail_pixels(const struct detail_rule *rule, int x, int y)

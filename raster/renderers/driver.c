@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Errors and rules of OpenGL's implementations, where the specification leaves them free. Measured
  * on Mesa 22.3.6; data/doc/mesa.md says how. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/renderers/renderers.h"
 
 /* ---- errors and rules ---- */

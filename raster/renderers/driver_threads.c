@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The threads of llvmpipe. */
 #include <dirent.h>
-#include <errno.h>
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 

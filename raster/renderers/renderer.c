@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Renderers share these: buffers of pixels, and a pixel's triangle, from the colours that it was
  * drawn in. */
-#include <stdlib.h>
-
 #include "data/base/base.h"
 #include "raster/renderers/renderers.h"
 

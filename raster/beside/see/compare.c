@@ -343,7 +343,7 @@ static bool check_stacks(const struct cube *a, const struct cube *b, struct erro
                         a->image.path, a->image.width, a->image.height);
     return !a->record.text || !b->record.text || !a->record.unit == !b->record.unit ||
            error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
-                       cube_unit(a), b->image.path, cube_unit(b));
+                       a->unit, b->image.path, b->unit);
 }
 
 /* Refuses a tolerance and a map that colours do not have, where they alone are compared. */

@@ -66,7 +66,7 @@ static void print_pages(const struct comparison *of, struct printed *to)
 {
     const struct image *a = &of->a.cube.image, *b = &of->b.cube.image;
     const bool components = of->a.cube.components;
-    const char *unit = components ? "" : cube_unit(&of->a.cube), *blank = components ? "" : " ";
+    const char *unit = components ? "" : of->a.cube.unit, *blank = components ? "" : " ";
     const struct band_difference *all = &of->all;
     char pixel[32];
     print(to, "stacks            %d x %d pixels, %" PRIu64 " not black in both; %d %s\n", a->width,

@@ -311,7 +311,7 @@ static void put_objects(const struct measured *of, struct values *values, bool c
 {
     json_begin(json);
     json_string(json, "source", of->rows.cube.image.path);
-    json_string(json, "unit", cube_unit(&of->rows.cube));
+    json_string(json, "unit", of->rows.cube.unit);
     json_numbers(json, "wavelengths_nm", of->rows.cube.image.wavelengths_nm,
                  of->rows.cube.image.n_pages);
     json_strings(json, "channel_names", (const char *const *)of->camera.detector.channel,

@@ -93,13 +93,21 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
+/* Returns whether pages of the method of this name are means over segments, not values in them. */
+static bool takes_means(const char *name)
+{
+    struct sampling_method method;
+    struct error ignored = {0};
+    return sampling_read("", name, &method, &ignored) && method.kind == SAMPLING_BOX;
+}
+
 /* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
  * of its detector. The whole value is one word, blanks and all. */
 static bool white_of_option(const struct cube *cube, const char *value,
                             const struct detector *fixed, double *out, struct error *err)
 {
     const struct record *record = &cube->record;
-    const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
+    const bool boxes = record->segments.n > 0 && takes_means(record->sampling);
     const double *segments = record->segments.value;
     const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};

@@ -86,7 +86,7 @@ static struct program_effects effects_of(const struct shader *shader, int instan
     const struct plan *plan = shader->base.plan;
     const struct placed_instance *placed = &plan->instances[instance];
     const struct shaded_material *shaded = &plan->materials[placed->shaded];
-    const bool textured = texture_is_drawn(plan, shaded->texture);
+    const bool textured = shaded->texture;
     struct program_effects out = {.group = group,
                                   .shines = has_term(shaded, TERM_SPECULAR),
                                   .two_sided = placed->object->two_sided};

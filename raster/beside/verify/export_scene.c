@@ -71,7 +71,7 @@ static bool add_texture(struct description *to, int index, struct error *err)
     const size_t n = texture->plane_size;
     float *texels;
     char name[FILE_NAME];
-    if (!texture_is_drawn(to->plan, texture))
+    if (!texture->shown)
         return true;
     print(&to->scene, "texture %d %d %d %s %s\n", index, texture->image.width,
           texture->image.height,
@@ -182,7 +182,7 @@ static void print_instance(const struct plan *plan, int index, struct printed *t
     if (!placed->in_view)
         return;
     print(to, "instance %d mesh %d material %d texture %d %s %s matrix", index + 1, placed->mesh,
-          placed->shaded, texture_is_drawn(plan, texture) ? (int)(texture - plan->textures) : -1,
+          placed->shaded, texture ? (int)(texture - plan->textures) : -1,
           placed->object->two_sided ? "two-sided" : "one-sided",
           placed->instance.mirrored ? "clockwise" : "counter-clockwise");
     print_matrix(&placed->instance.model_view, to);

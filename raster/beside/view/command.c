@@ -64,7 +64,8 @@ static void tell_scene(const struct viewing *view, enum output_kind kind, struct
                    "kind              still: lights and eye can be changed; ./build.sh live "
                    "makes a program whose pages can change all of the scene\n");
     notes_put(view->notes, &to->json);
-    notes_print_shading(view->notes, &to->words);
+    if (view->notes->shading)
+        shading_judge->print(view->notes->shading, &to->words);
     notes_print(view->notes, &to->words);
 }
 
