@@ -428,9 +428,9 @@ bool compare(struct comparison *of, struct error *err)
                                         of->tolerance.unit >= TOLERANCE_CIE76 || !of->alike},
                                none = {NULL, false};
     return check_stacks(a, b, err) && check_wanted(of, err) &&
-           sight_make(a, observer, &white, &of->sight, err) &&
-           (of->alike || sight_make(b, observer, &none, &of->other, err)) && allocate(of, err) &&
-           (!of->map || open_map(of, err)) && compare_rows(of, err) &&
+           sight_make(a, SIGHT_OF_OBSERVER, observer, &white, &of->sight, err) &&
+           (of->alike || sight_make(b, SIGHT_OF_OBSERVER, observer, &none, &of->other, err)) &&
+           allocate(of, err) && (!of->map || open_map(of, err)) && compare_rows(of, err) &&
            (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }
 

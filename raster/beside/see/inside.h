@@ -19,18 +19,6 @@
 
 size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
-/* ---- sight.c ---- */
-
-/* Make sights as sight_relative, in cd m-2 where radiances are absolute: of an observer; of a
- * detector of three channels, where a camera needs a white, by which it is balanced; and of any
- * number of channels, without responses. */
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err);
-bool sight_of_picture(const struct cube *cube, const char *detector,
-                      const struct white_request *white, struct sight *out, struct error *err);
-bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
-                       struct error *err);
-
 /* ---- radiances.c ---- */
 
 /* A band of some rows of a tile. */

@@ -334,13 +334,13 @@ static bool find_sights(struct measured *of, const struct options *options, stru
     const struct white_request white = {options->white, false};
     const struct cube *cube = &of->rows.cube;
     const char *name = options_detector(options);
-    if (!sight_of_channels(cube, name, &of->camera, err))
+    if (!sight_make(cube, SIGHT_OF_CHANNELS, name, &white, &of->camera, err))
         return false;
     if (of->camera.detector.observer)
         sight_free(&of->camera);
     else
         name = "cie1931";
-    return sight_make(cube, name, &white, &of->colours, err);
+    return sight_make(cube, SIGHT_OF_OBSERVER, name, &white, &of->colours, err);
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)

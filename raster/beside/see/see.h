@@ -112,11 +112,14 @@ struct sight {
     bool has_white;
     double white[3], equal[3];
 };
-/* Makes the sight of any detector of three channels, in the unit of the radiances. Refuses what the
- * readers of detectors and cube_white refuse, and weights or a white too large to compute with. The
- * caller frees *out, zeroed before, also after a failure. */
-bool sight_relative(const struct cube *cube, const char *detector,
-                    const struct white_request *white, struct sight *out, struct error *err);
+/* The sight of a detector of three channels in the unit of the radiances; in cd m-2, where
+ * radiances are absolute, that of an observer; of a detector of three channels, where a camera
+ * needs a white, by which it is balanced; of any number of channels, without responses. */
+enum sight_kind { SIGHT_RELATIVE, SIGHT_OF_OBSERVER, SIGHT_OF_PICTURE, SIGHT_OF_CHANNELS };
+/* Makes a sight. Refuses what the readers of detectors and cube_white refuse, and weights or a
+ * white too large to compute with. The caller frees *out, zeroed before, also after a failure. */
+bool sight_make(const struct cube *cube, enum sight_kind kind, const char *detector,
+                const struct white_request *white, struct sight *out, struct error *err);
 void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */

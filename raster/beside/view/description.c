@@ -253,7 +253,7 @@ static void put_detector(const struct cube *cube, bool is_stack, const char *nam
 {
     static const struct white_request white = {NULL, false};
     struct sight sight = {.weights = NULL};
-    if (sight_relative(cube, name, &white, &sight, err)) {
+    if (sight_make(cube, SIGHT_RELATIVE, name, &white, &sight, err)) {
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", sight.detector.observer);
