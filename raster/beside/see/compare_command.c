@@ -35,13 +35,14 @@ static void print_bands(const struct comparison *of, struct printed *to)
     }
 }
 
-/* Prints the measures of pixels; without a white only the first. */
+/* Prints the measures of pixels; without a white there are no colours. */
 static void print_pixels(const struct comparison *of, struct printed *to)
 {
-    const char *const names[] = {of->a.cube.components ? "component angle" : "spectral angle",
+    const char *const names[] = {NULL, of->a.cube.components ? "component angle" : "spectral angle",
                                  "CIE76", "CIE94", "CIEDE2000"};
     char pixel[32];
-    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
+    for (int i = of->alike ? SPECTRAL_ANGLE : CIE76;
+         i < (of->sight.has_white ? PIXEL_MEASURES : CIE76); i++) {
         const struct pixel_difference *found = &of->pixels[i];
         print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
               names[i], found->mean, found->quantile_95, found->peak.largest,
@@ -54,7 +55,7 @@ static void print_map(const struct comparison *of, struct printed *to)
     if (!of->map)
         return;
     print_fact(to, "map", of->map);
-    if (of->shown == MAP_NUMBERS)
+    if (!of->coloured)
         return;
     print_text(to, "map colours       ");
     comparison_print_colours(of, to);
@@ -129,7 +130,7 @@ static void json_pixels(struct json *json, const char *name, const struct pixel_
 
 static bool write_json(struct options *options, const struct comparison *of, struct error *err)
 {
-    static const char *const measures[] = {"angle_deg", "dE76", "dE94", "dE00"};
+    static const char *const measures[] = {NULL, "angle_deg", "dE76", "dE94", "dE00"};
     static const struct band_difference unknown = {.peak = {.largest = (double)NAN},
                                                    .rms = (double)NAN};
     const struct image *image = &of->a.cube.image;
@@ -146,7 +147,8 @@ static bool write_json(struct options *options, const struct comparison *of, str
     json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);
     json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
-    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
+    for (int i = of->alike ? SPECTRAL_ANGLE : CIE76;
+         i < (of->sight.has_white ? PIXEL_MEASURES : CIE76); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
     for (int i = 0; of->alike && i < image->n_pages; i++) {

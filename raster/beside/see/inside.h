@@ -96,25 +96,19 @@ bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: what counts as equal ---- */
 
-enum tolerance_unit { /* the last three in the order of colour differences */
-                      TOLERANCE_RADIANCE,
-                      TOLERANCE_PERCENT,
-                      TOLERANCE_CIE76,
-                      TOLERANCE_CIE94,
-                      TOLERANCE_CIEDE2000
-};
+/* Measures of the difference of two pixels: the largest |A - B| of their pages, the angle between
+ * their spectra in degrees, and colour differences. A is the standard of CIE94. */
+enum pixel_measure { RADIANCE, SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 struct tolerance {
     double value;
-    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
+    enum pixel_measure measure;
+    bool percent; /* of A's largest radiance */
 };
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
-/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
- * differences. A is the standard of CIE94. */
-enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 struct peak {
     double largest;
     int x, y; /* the first pixel that has it */
@@ -129,8 +123,6 @@ struct band_difference {
     struct peak peak; /* of |A - B|, in radiance */
     double rms;
 };
-/* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
-enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
     struct options *options; /* its operands are the stacks, and its outputs get the map */
@@ -148,8 +140,8 @@ struct comparison {
     int largest_band;        /* the band that has the peak of `all` */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
-    struct bin *bins;       /* of each measure; owned */
-    enum map_measure shown; /* by the map */
+    struct bin *bins; /* of each measure; owned */
+    bool coloured;    /* the map shows one measure, in colours */
     /* The rows at hand; all are owned. */
     double *spectra;                    /* [row][a, b][band]: the pixel at hand */
     struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
