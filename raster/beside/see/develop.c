@@ -360,20 +360,21 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
     return true;
 }
 
-bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
+bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
+                   uint64_t *out_of_gamut, struct error *err)
 {
-    struct development of = {.detector_name = picture->detector ? picture->detector : "cie1931",
+    struct development of = {.detector_name = options_detector(options),
                              .display = DISPLAY_SRGB,
                              .bits = 8,
                              .threads = lit->plan->options.threads,
                              .exposure = 1,
-                             .automatic = picture->automatic,
-                             .outputs = picture->outputs,
-                             .memory = picture->memory,
+                             .automatic = memory != NULL,
+                             .outputs = &options->outputs,
+                             .memory = memory,
                              .lit = lit};
     const bool done =
-        scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, picture->output, err);
-    picture->out_of_gamut = of.clipped.n;
+        scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, options->output, err);
+    *out_of_gamut = of.clipped.n;
     free(of.cube.record.white.value);
     of.cube = (struct cube){.components = false}; /* the scene owns the rest */
     develop_free(&of);

@@ -51,18 +51,13 @@ extern const struct command curves_command;
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
-/* The picture of a scene, as a detector sees it without adaptation on an sRGB display. */
-struct scene_picture {
-    const char *detector;    /* NULL: cie1931 */
-    bool automatic;          /* at the exposure that "develop --exposure auto" finds; otherwise 1 */
-    const char *output;      /* the path of a PNG */
-    struct outputs *outputs; /* as output_pass takes them */
-    struct printed *memory;  /* takes the PNG in place of a file; NULL: a file */
-    uint64_t out_of_gamut;   /* found: pixels with a clipped channel */
-};
-/* Draws a scene by the reference, and writes its picture. Samples of the scene's plan are floats.
- * Memory beside picture->memory does not grow with the picture's height. */
-bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err);
+/* Draws a scene by the reference, and writes a PNG of it, as the options' detector sees it without
+ * adaptation on an sRGB display: to the options' output, at exposure 1; or to *memory, unless that
+ * is NULL, at the exposure that "develop --exposure auto" finds. *out_of_gamut: pixels with a
+ * clipped channel. Samples of the scene's plan are floats. Memory beside *memory does not grow with
+ * the picture's height. */
+bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
+                   uint64_t *out_of_gamut, struct error *err);
 /* Makes a cube of a scene: a stack that records its white and nothing else. The caller frees
  * record.white.value, also after a failure; the scene owns the rest. */
 bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);

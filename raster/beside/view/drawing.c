@@ -135,22 +135,13 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
 
 bool still_write(struct viewing *view, struct error *err)
 {
-    struct scene_picture picture = {.detector = view->options->detector,
-                                    .output = view->options->output,
-                                    .outputs = &view->options->outputs};
-    const bool done = develop_scene(&view->lit, &picture, err);
-    view->out_of_gamut = picture.out_of_gamut;
-    return done;
+    return develop_scene(&view->lit, view->options, NULL, &view->out_of_gamut, err);
 }
 
-bool put_first(const struct viewing *view, struct page_parts *to, struct error *err)
+bool put_first(struct viewing *view, struct page_parts *to, struct error *err)
 {
     struct printed png = {.text = NULL};
-    struct scene_picture picture = {.detector = view->options->detector,
-                                    .output = view->options->output,
-                                    .automatic = true,
-                                    .memory = &png};
-    develop_scene(&view->lit, &picture, err);
+    develop_scene(&view->lit, view->options, &png, &view->out_of_gamut, err);
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
     to->first = printed_take(&png, err);

@@ -129,6 +129,6 @@ struct page_parts {
 bool page_write(struct page_parts *parts, struct options *options, size_t *bytes,
                 struct error *err);
 /* drawing.c. Draws the picture that the page of a scene shows first, at its automatic exposure. */
-bool put_first(const struct viewing *view, struct page_parts *to, struct error *err);
+bool put_first(struct viewing *view, struct page_parts *to, struct error *err);
 
 #endif
