@@ -44,13 +44,13 @@ void rows_close(struct stack_rows *rows)
 
 /* ---- tolerances ---- */
 
-bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err)
+bool tolerance_read(const char *text, struct tolerance *out, struct error *err)
 {
     static const struct {
         const char *ending;
         enum pixel_measure measure;
     } units[] = {{"dE76", CIE76}, {"dE94", CIE94}, {"dE00", CIEDE2000}, {"%", RADIANCE}};
-    struct word word = {.start = text, .length = strlen(text), .place = {option, 0, 0}};
+    struct word word = {.start = text, .length = strlen(text)};
     out->measure = RADIANCE;
     out->percent = false;
     for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
@@ -64,10 +64,11 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
     }
     struct error ignored = {.status = EXIT_AGREED};
     return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
-           error_usage(err,
-                       "%s takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
-                       "colour difference as 0.5dE00, not '%.100s'",
-                       option, text);
+           error_usage(
+               err,
+               "--tolerance takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
+               "colour difference as 0.5dE00, not '%.100s'",
+               text);
 }
 
 /* ---- statistics of pixels ---- */

@@ -9,12 +9,6 @@ struct compare_own {
     const char *tolerance, *map;
 };
 
-static bool accepts_tolerance(const char *option, const char *value, struct error *err)
-{
-    struct tolerance tolerance;
-    return tolerance_read(option, value, &tolerance, err);
-}
-
 /* ---- in words ---- */
 
 static const char *name_of_pixel(const struct peak *peak, char out[32])
@@ -170,8 +164,7 @@ static bool run_compare(struct options *options, struct error *err)
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    bool done = (!own->tolerance ||
-                 tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
+    bool done = (!own->tolerance || tolerance_read(own->tolerance, &comparison.tolerance, err)) &&
                 (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
                 scene_refuse(b, err) && compare(&comparison, err) &&
                 (!options->json || write_json(options, &comparison, err));
@@ -190,7 +183,7 @@ static bool run_compare(struct options *options, struct error *err)
 static const struct option compare_rows[] = {
     {"--tolerance R|P%|EdE00",
      "largest that passes: radiance, % of the largest, or CIEDE2000 (dE94, dE76); default: 0",
-     OWN(TEXT, compare_own, tolerance), .accepts = accepts_tolerance},
+     OWN(TEXT, compare_own, tolerance)},
     {"--map FILE",
      "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
      OWN(TEXT, compare_own, map), .writes = true},

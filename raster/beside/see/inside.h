@@ -104,8 +104,8 @@ struct tolerance {
     enum pixel_measure measure;
     bool percent; /* of A's largest radiance */
 };
-/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
-bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76", the value of --tolerance. */
+bool tolerance_read(const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
