@@ -23,7 +23,7 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* A band of some rows of a tile. */
 struct drawn_band {
-    const struct picture *picture; /* its positions */
+    const struct picture *picture; /* its positions; NULL: of a stack */
     struct rectangle pixels;       /* whose means the radiances are */
     int band;
     const float *radiance; /* row by row without gaps */
@@ -74,7 +74,7 @@ struct development {
     size_t stride;   /* of its channels: pixels of that many rows */
     int first;       /* of the rows at hand */
     size_t n;        /* pixels of the rows at hand */
-    float *radiance; /* [page of those that are read together][pixel]; owned */
+    float *radiance; /* of a page of a stack; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
