@@ -44,18 +44,6 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     }
 }
 
-static void print_map(const struct comparison *of, struct printed *to)
-{
-    if (!of->map)
-        return;
-    print_fact(to, "map", of->map);
-    if (!of->coloured)
-        return;
-    print_text(to, "map colours       ");
-    comparison_print_colours(of, to);
-    print_text(to, "\n");
-}
-
 /* Prints the differences of pages that mean the same, or why there are none. */
 static void print_pages(const struct comparison *of, struct printed *to)
 {
@@ -95,7 +83,13 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
                     of->options->white ? of->options->white : "recorded by the first stack");
     } else
         print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-    print_map(of, to);
+    if (of->map)
+        print_fact(to, "map", of->map);
+    if (of->coloured) {
+        print_text(to, "map colours       ");
+        comparison_print_colours(of, to);
+        print_text(to, "\n");
+    }
 }
 
 /* ---- as JSON ---- */
@@ -160,16 +154,17 @@ static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
+    const char *tolerance = own->tolerance ? own->tolerance : "0";
     struct comparison comparison = {.options = options, .map = own->map};
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    bool done = (!own->tolerance || tolerance_read(own->tolerance, &comparison.tolerance, err)) &&
+    bool done = tolerance_read(tolerance, &comparison.tolerance, err) &&
                 (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
                 scene_refuse(b, err) && compare(&comparison, err) &&
                 (!options->json || write_json(options, &comparison, err));
     if (done && !options->quiet) {
-        print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);
+        print_comparison(&comparison, tolerance, &printed);
         if (options->verbose && comparison.alike)
             print_bands(&comparison, &printed);
     }
