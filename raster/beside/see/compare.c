@@ -2,9 +2,6 @@
 /* Finds where and by how much two stacks differ. Both are read in chunks of rows. Rows are compared
  * in parallel and added up in their order, so that no result depends on chunks or threads. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/see/inside.h"
 

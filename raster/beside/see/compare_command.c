@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral compare: prints where and by how much two stacks differ, in words and as JSON. */
 #include <inttypes.h>
-#include <math.h>
 
 #include "raster/beside/see/inside.h"
 

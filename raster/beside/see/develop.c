@@ -3,9 +3,6 @@
  * of rows, page after page. Each pixel is summed in the order of the pages, so that chunks do not
  * change its bits. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/see/inside.h"
 

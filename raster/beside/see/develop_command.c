@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral develop: the colour picture of a stack. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* ---- options ---- */

@@ -2,10 +2,6 @@
 /* The spectrum of a pixel or a region, and its colour. Of a scene, the reference draws the region
  * as it draws the whole picture, and the spectra of the lights and of the material are listed
  * beside the region's radiance. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* ---- columns ---- */

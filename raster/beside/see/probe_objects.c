@@ -3,10 +3,6 @@
  * standard deviation in each band; of objects also in XYZ and CIELAB, and in the channels of a
  * camera of any number of channels. Pixels at an edge of an object, where a neighbour shows another
  * one, are left out unless they are wanted. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* Rows are read in chunks of so many samples, 64 MiB, or of those that are wanted. Large chunks are

@@ -7,10 +7,6 @@
  * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
  * page offers.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"

@@ -2,10 +2,6 @@
 /* A drawn scene for a page: planes of the weights of its pixels, from the reference's picture, and
  * the description of all that they weigh. Weights depend on geometry only. A still page contains
  * both, packed, planes as counts. A live page has the program make them anew after a change. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/view/inside.h"
 
 /* ---- the picture as planes ---- */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/view/inside.h"

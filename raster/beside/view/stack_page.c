@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A stack for a page: its samples, and all that it takes to see them. The samples of a large stack
  * are means of factor x factor pixels, so that the page keeps to its budget. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/view/inside.h"
 
 /* ---- samples ---- */

@@ -2,8 +2,6 @@
 /* Puts a page together from the files in data/builtin/viewer. A line "<!-- NAME -->" of them stands
  * for another of these files, or for what is different in each page: its kind of scripts, its
  * policy, its data. */
-#include <stdlib.h>
-#include <string.h>
 #include <zlib.h>
 
 #include "raster/beside/view/inside.h"
