@@ -3,19 +3,9 @@
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 
-#include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
+#include "raster/render/render.h"
 
 size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 

@@ -5,7 +5,6 @@
  * weights. So the picture is drawn once more, from a plan of its own: the stack does not depend on
  * its maps. */
 #include "raster/beside/see/inside.h"
-#include "raster/render/render.h"
 
 enum { MAP_NAME = BAND_NAME + 32, BLOCK_PIXELS = 1 << 10 };
 

@@ -5,11 +5,7 @@
 #ifndef RASTER_BESIDE_SEE_SEE_H
 #define RASTER_BESIDE_SEE_SEE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 struct lit_scene;
 struct picture;

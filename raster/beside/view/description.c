@@ -7,9 +7,6 @@
  * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
  * page offers.
  */
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- spectra and rows of numbers as JSON ---- */
