@@ -103,9 +103,10 @@ struct sight {
     bool has_white;
     double white[3], equal[3];
 };
-/* The sight of a detector of three channels in the unit of the radiances; in cd m-2, where
- * radiances are absolute, that of an observer; of a detector of three channels, where a camera
- * needs a white, by which it is balanced; of any number of channels, without responses. */
+/* The first one, of a detector of three channels, is in the unit of the radiances. The others are
+ * in cd m-2 where radiances are absolute: of an observer; of a detector of three channels, where a
+ * camera needs a white, by which it is balanced; of any number of channels, without a white and
+ * responses. */
 enum sight_kind { SIGHT_RELATIVE, SIGHT_OF_OBSERVER, SIGHT_OF_PICTURE, SIGHT_OF_CHANNELS };
 /* Makes a sight. Refuses what the readers of detectors and cube_white refuse, and weights or a
  * white too large to compute with. The caller frees *out, zeroed before, also after a failure. */
