@@ -4,10 +4,6 @@
  * which is a reflectance where nothing fluoresces or emits. The metamerism index is that of ISO
  * 18314-4 with CIEDE2000: the second region's XYZ under the other light are multiplied, as that
  * standard recommends, by the quotients of both regions' XYZ under the recorded light. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* The colours of both regions under a light. */

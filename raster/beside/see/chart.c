@@ -3,10 +3,6 @@
  * and prints without colours keep them apart. Ticks are round numbers, and axes end at ticks.
  * Numbers are rounded to decimals only, so that the bytes are the same everywhere. Texts that are
  * too long end at the edge of the picture. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* In SVG's pixels, 96 an inch: the edges of the area that the axes enclose; then in the legend. */

@@ -2,9 +2,6 @@
 /* Finds where and by how much two stacks differ. Both are read in chunks of rows. Rows are compared
  * in parallel and added up in their order, so that no result depends on chunks or threads. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/see/inside.h"
 
@@ -44,31 +41,31 @@ void rows_close(struct stack_rows *rows)
 
 /* ---- tolerances ---- */
 
-bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err)
+bool tolerance_read(const char *text, struct tolerance *out, struct error *err)
 {
     static const struct {
         const char *ending;
-        enum tolerance_unit unit;
-    } units[] = {{"dE76", TOLERANCE_CIE76},
-                 {"dE94", TOLERANCE_CIE94},
-                 {"dE00", TOLERANCE_CIEDE2000},
-                 {"%", TOLERANCE_PERCENT}};
-    struct word word = {.start = text, .length = strlen(text), .place = {option, 0, 0}};
-    out->unit = TOLERANCE_RADIANCE;
+        enum pixel_measure measure;
+    } units[] = {{"dE76", CIE76}, {"dE94", CIE94}, {"dE00", CIEDE2000}, {"%", RADIANCE}};
+    struct word word = {.start = text, .length = strlen(text)};
+    out->measure = RADIANCE;
+    out->percent = false;
     for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
         const size_t length = strlen(units[i].ending);
         if (word.length > length && strcmp(text + word.length - length, units[i].ending) == 0) {
-            out->unit = units[i].unit;
+            out->measure = units[i].measure;
+            out->percent = units[i].measure == RADIANCE;
             word.length -= length;
             break;
         }
     }
     struct error ignored = {.status = EXIT_AGREED};
     return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
-           error_usage(err,
-                       "%s takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
-                       "colour difference as 0.5dE00, not '%.100s'",
-                       option, text);
+           error_usage(
+               err,
+               "--tolerance takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
+               "colour difference as 0.5dE00, not '%.100s'",
+               text);
 }
 
 /* ---- statistics of pixels ---- */
@@ -158,33 +155,40 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
     return largest;
 }
 
-/* A CIEDE2000 of 1 is about the least difference that a person sees, in the middle of the scale. A
- * white surface under a light of 1 has radiance 1, and 16 bits hold steps of 1/65536 of that. */
-static const struct {
-    double least;
-    const char *name;
-} map_scales[] = {[MAP_CIEDE2000] = {1.0 / 64, "CIEDE2000"},
-                  [MAP_RADIANCE] = {1.0 / 16384, "largest difference of radiance"},
-                  [MAP_COMPONENT] = {1.0 / 16384, "largest difference of components"}};
+/* Returns the least value that has a colour of its own. A CIEDE2000 of 1 is about the least
+ * difference that a person sees, in the middle of the scale. A white surface under a light of 1 has
+ * radiance 1, and 16 bits hold steps of 1/65536 of that. */
+static double least_shown(const struct comparison *of)
+{
+    return of->sight.has_white ? 1.0 / 64 : 1.0 / 16384;
+}
+
+/* Returns what the map calls the largest |A - B|. */
+static const char *largest_name(const struct comparison *of)
+{
+    return of->a.cube.components ? "largest difference of components"
+                                 : "largest difference of radiance";
+}
 
 void comparison_print_colours(const struct comparison *of, struct printed *to)
 {
-    print(to, "%s: 0 black, ", map_scales[of->shown].name);
-    scale_print(map_scales[of->shown].least, to);
+    print(to, "%s: 0 black, ", of->sight.has_white ? "CIEDE2000" : largest_name(of));
+    scale_print(least_shown(of), to);
 }
 
 /* Stores the differences of a pixel in the map: three floats, or three bytes of a colour. */
-static void map_pixel(struct comparison *of, size_t at, double largest)
+static void map_pixel(struct comparison *of, size_t at)
 {
     const double *measures = of->measures[at];
-    if (of->shown == MAP_NUMBERS) {
-        const size_t n = (size_t)of->b.n * (size_t)of->a.cube.image.width;
-        of->samples[at] = (float)largest;
-        of->samples[n + at] = (float)measures[SPECTRAL_ANGLE];
-        of->samples[2 * n + at] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
-    } else
-        scale_colour(of->shown == MAP_CIEDE2000 ? measures[CIEDE2000] : largest,
-                     map_scales[of->shown].least, (uint8_t *)of->samples + 3 * at);
+    const size_t n = (size_t)of->b.n * (size_t)of->a.cube.image.width;
+    if (of->coloured) {
+        scale_colour(measures[of->sight.has_white ? CIEDE2000 : RADIANCE], least_shown(of),
+                     (uint8_t *)of->samples + 3 * at);
+        return;
+    }
+    of->samples[at] = (float)measures[RADIANCE];
+    of->samples[n + at] = (float)measures[SPECTRAL_ANGLE];
+    of->samples[2 * n + at] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
 }
 
 /* ---- rows ---- */
@@ -249,12 +253,13 @@ static void compare_row(void *context, int row)
         const struct seen_pixel seen =
             see_pixel(of, a, (size_t)y * (size_t)width + (size_t)x, coloured);
         memset(measures, 0, sizeof of->measures[at]);
+        measures[RADIANCE] = largest;
         if (largest > 0)
             measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n_a);
         if (coloured)
             compare_colours(of, seen.xyz, b, measures);
         of->black[at] = seen.black && is_black(b, n_b);
-        map_pixel(of, at, largest);
+        map_pixel(of, at);
     }
 }
 
@@ -350,16 +355,16 @@ static bool check_stacks(const struct cube *a, const struct cube *b, struct erro
 static bool check_wanted(struct comparison *of, struct error *err)
 {
     struct tolerance *tolerance = &of->tolerance;
-    const bool radiance = tolerance->unit == TOLERANCE_PERCENT ||
-                          (tolerance->unit == TOLERANCE_RADIANCE && tolerance->value > 0);
+    const bool radiance =
+        tolerance->measure == RADIANCE && (tolerance->percent || tolerance->value > 0);
     if (!of->alike && (radiance || (of->map && !picture_is_png(of->map))))
         return error_usage(err,
                            "the pages of %s and %s differ, so that their colours alone can be "
                            "compared; expected %s",
                            of->a.cube.image.path, of->b.cube.image.path,
                            radiance ? "--tolerance as 0.5dE00" : "--map with .png");
-    if (!of->alike && tolerance->unit == TOLERANCE_RADIANCE)
-        tolerance->unit = TOLERANCE_CIEDE2000;
+    if (!of->alike && tolerance->measure == RADIANCE)
+        tolerance->measure = CIEDE2000;
     return true;
 }
 
@@ -389,26 +394,24 @@ static bool allocate(struct comparison *of, struct error *err)
 
 static bool open_map(struct comparison *of, struct error *err)
 {
-    const bool components = of->a.cube.components;
     struct printed printed = {.text = NULL};
     print_text(&printed, "How two spectral stacks differ");
-    if (picture_is_png(of->map)) { /* which has one number, in colours */
-        of->shown = of->sight.has_white ? MAP_CIEDE2000 : components ? MAP_COMPONENT : MAP_RADIANCE;
+    of->coloured = picture_is_png(of->map);
+    if (of->coloured) {
         print_text(&printed, ". ");
         comparison_print_colours(of, &printed);
     }
     char *description = printed_take(&printed, err);
-    const bool coloured = of->shown != MAP_NUMBERS;
-    const struct picture_options options = {
-        .width = of->a.cube.image.width,
-        .height = of->a.cube.image.height,
-        .bits = coloured ? 8 : 32,
-        .srgb = coloured,
-        .channels = {components ? "largest difference of components"
-                                : "largest difference of radiance",
-                     components ? "component angle in degrees" : "spectral angle in degrees",
-                     "CIEDE2000"},
-        .description = description};
+    const struct picture_options options = {.width = of->a.cube.image.width,
+                                            .height = of->a.cube.image.height,
+                                            .bits = of->coloured ? 8 : 32,
+                                            .srgb = of->coloured,
+                                            .channels = {largest_name(of),
+                                                         of->a.cube.components
+                                                             ? "component angle in degrees"
+                                                             : "spectral angle in degrees",
+                                                         "CIEDE2000"},
+                                            .description = description};
     const bool done = description && picture_open(&of->picture, of->map, &options, err);
     free(description);
     return done;
@@ -425,23 +428,20 @@ bool compare(struct comparison *of, struct error *err)
         return false;
     of->alike = !of->seen && are_alike(a, b);
     const struct white_request white = {options->white,
-                                        of->tolerance.unit >= TOLERANCE_CIE76 || !of->alike},
+                                        of->tolerance.measure != RADIANCE || !of->alike},
                                none = {NULL, false};
     return check_stacks(a, b, err) && check_wanted(of, err) &&
-           sight_make(a, observer, &white, &of->sight, err) &&
-           (of->alike || sight_make(b, observer, &none, &of->other, err)) && allocate(of, err) &&
-           (!of->map || open_map(of, err)) && compare_rows(of, err) &&
+           sight_make(a, SIGHT_OF_OBSERVER, observer, &white, &of->sight, err) &&
+           (of->alike || sight_make(b, SIGHT_OF_OBSERVER, observer, &none, &of->other, err)) &&
+           allocate(of, err) && (!of->map || open_map(of, err)) && compare_rows(of, err) &&
            (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }
 
 bool comparison_is_within(const struct comparison *of)
 {
     const struct tolerance *tolerance = &of->tolerance;
-    if (tolerance->unit >= TOLERANCE_CIE76)
-        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].peak.largest <=
-               tolerance->value;
-    const double unit = tolerance->unit == TOLERANCE_PERCENT ? of->largest_radiance / 100 : 1;
-    return of->all.peak.largest <= tolerance->value * unit;
+    const double unit = tolerance->percent ? of->largest_radiance / 100 : 1;
+    return of->pixels[tolerance->measure].peak.largest <= tolerance->value * unit;
 }
 
 void comparison_free(struct comparison *of)
@@ -460,7 +460,7 @@ bool stack_difference(struct seen_stack *a, const char *b, const char *observer,
 {
     struct options options = {
         .operands = {a->path, b}, .n_operands = 2, .detector = observer, .threads = threads};
-    struct comparison of = {.options = &options, .tolerance = {0, TOLERANCE_CIEDE2000}, .seen = a};
+    struct comparison of = {.options = &options, .tolerance = {.measure = CIEDE2000}, .seen = a};
     const struct pixel_difference *found = &of.pixels[CIEDE2000];
     const bool done = compare(&of, err);
     if (done)

@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral compare: prints where and by how much two stacks differ, in words and as JSON. */
 #include <inttypes.h>
-#include <math.h>
 
 #include "raster/beside/see/inside.h"
 
 struct compare_own {
     const char *tolerance, *map;
 };
-
-static bool accepts_tolerance(const char *option, const char *value, struct error *err)
-{
-    struct tolerance tolerance;
-    return tolerance_read(option, value, &tolerance, err);
-}
 
 /* ---- in words ---- */
 
@@ -35,30 +28,19 @@ static void print_bands(const struct comparison *of, struct printed *to)
     }
 }
 
-/* Prints the measures of pixels; without a white only the first. */
+/* Prints the measures of pixels; without a white there are no colours. */
 static void print_pixels(const struct comparison *of, struct printed *to)
 {
-    const char *const names[] = {of->a.cube.components ? "component angle" : "spectral angle",
+    const char *const names[] = {NULL, of->a.cube.components ? "component angle" : "spectral angle",
                                  "CIE76", "CIE94", "CIEDE2000"};
     char pixel[32];
-    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
+    for (int i = of->alike ? SPECTRAL_ANGLE : CIE76;
+         i < (of->sight.has_white ? PIXEL_MEASURES : CIE76); i++) {
         const struct pixel_difference *found = &of->pixels[i];
         print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
               names[i], found->mean, found->quantile_95, found->peak.largest,
               name_of_pixel(&found->peak, pixel));
     }
-}
-
-static void print_map(const struct comparison *of, struct printed *to)
-{
-    if (!of->map)
-        return;
-    print_fact(to, "map", of->map);
-    if (of->shown == MAP_NUMBERS)
-        return;
-    print_text(to, "map colours       ");
-    comparison_print_colours(of, to);
-    print_text(to, "\n");
 }
 
 /* Prints the differences of pages that mean the same, or why there are none. */
@@ -100,7 +82,13 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
                     of->options->white ? of->options->white : "recorded by the first stack");
     } else
         print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-    print_map(of, to);
+    if (of->map)
+        print_fact(to, "map", of->map);
+    if (of->coloured) {
+        print_text(to, "map colours       ");
+        comparison_print_colours(of, to);
+        print_text(to, "\n");
+    }
 }
 
 /* ---- as JSON ---- */
@@ -129,7 +117,7 @@ static void json_pixels(struct json *json, const char *name, const struct pixel_
 
 static bool write_json(struct options *options, const struct comparison *of, struct error *err)
 {
-    static const char *const measures[] = {"angle_deg", "dE76", "dE94", "dE00"};
+    static const char *const measures[] = {NULL, "angle_deg", "dE76", "dE94", "dE00"};
     static const struct band_difference unknown = {.peak = {.largest = (double)NAN},
                                                    .rms = (double)NAN};
     const struct image *image = &of->a.cube.image;
@@ -146,7 +134,8 @@ static bool write_json(struct options *options, const struct comparison *of, str
     json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);
     json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
-    for (int i = !of->alike; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
+    for (int i = of->alike ? SPECTRAL_ANGLE : CIE76;
+         i < (of->sight.has_white ? PIXEL_MEASURES : CIE76); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
     for (int i = 0; of->alike && i < image->n_pages; i++) {
@@ -164,17 +153,17 @@ static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
+    const char *tolerance = own->tolerance ? own->tolerance : "0";
     struct comparison comparison = {.options = options, .map = own->map};
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    bool done = (!own->tolerance ||
-                 tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
+    bool done = tolerance_read(tolerance, &comparison.tolerance, err) &&
                 (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
                 scene_refuse(b, err) && compare(&comparison, err) &&
                 (!options->json || write_json(options, &comparison, err));
     if (done && !options->quiet) {
-        print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);
+        print_comparison(&comparison, tolerance, &printed);
         if (options->verbose && comparison.alike)
             print_bands(&comparison, &printed);
     }
@@ -188,7 +177,7 @@ static bool run_compare(struct options *options, struct error *err)
 static const struct option compare_rows[] = {
     {"--tolerance R|P%|EdE00",
      "largest that passes: radiance, % of the largest, or CIEDE2000 (dE94, dE76); default: 0",
-     OWN(TEXT, compare_own, tolerance), .accepts = accepts_tolerance},
+     OWN(TEXT, compare_own, tolerance)},
     {"--map FILE",
      "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
      OWN(TEXT, compare_own, map), .writes = true},

@@ -2,8 +2,6 @@
 /* Takes a picture apart by the reference. The radiance of a pixel in a band is the sum over the
  * terms of its material of weight x spectrum, times its texture. Weights depend on geometry only.
  * Materials share the pages: a pixel shows one. */
-#include <stdlib.h>
-
 #include "raster/beside/see/inside.h"
 
 enum { BLOCK_PIXELS = 1 << 10 };

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral develop: the colour picture of a stack. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* ---- options ---- */
@@ -11,22 +8,6 @@ struct develop_own {
     const char *adaptation, *display, *exposure, *bits;
     bool xyz, lab, raw;
 };
-
-/* Reads the value of one of the options below. */
-static bool read_value(const char *option, const char *value, struct development *out,
-                       struct error *err)
-{
-    if (strcmp(option, "--adaptation") == 0)
-        return adaptation_read(option, value, &out->adaptation, err);
-    out->automatic = strcmp(value, "auto") == 0;
-    return out->automatic || option_number(option, value, 1e-12, 1e12, &out->exposure, err);
-}
-
-static bool accepts(const char *option, const char *value, struct error *err)
-{
-    struct development ignored;
-    return read_value(option, value, &ignored, err);
-}
 
 static bool read_options(struct options *options, struct development *out, struct error *err)
 {
@@ -41,17 +22,16 @@ static bool read_options(struct options *options, struct development *out, struc
                                           : own->xyz ? DEVELOP_XYZ
                                           : own->lab ? DEVELOP_LAB
                                                      : DEVELOP_RGB,
-                                .bits = 8,
+                                .automatic = own->exposure && strcmp(own->exposure, "auto") == 0,
                                 .threads = options->threads,
                                 .outputs = &options->outputs};
-    if (out->values != DEVELOP_RGB)
-        out->bits = 32;
-    if (own->bits)
-        out->bits = (int)strtol(own->bits, NULL, 10);
+    out->bits = own->bits ? (int)strtol(own->bits, NULL, 10) : out->values == DEVELOP_RGB ? 8 : 32;
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
-    return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
-           (!own->exposure || read_value("--exposure", own->exposure, out, err));
+    return (!own->adaptation ||
+            adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
+           (!own->exposure || out->automatic ||
+            option_number("--exposure", own->exposure, 1e-12, 1e12, &out->exposure, err));
 }
 
 /* ---- in words, and as JSON ---- */
@@ -174,12 +154,12 @@ static const struct option develop_rows[] = {
      SHARED(TEXT, output), .writes = true},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
-     OWN(TEXT, develop_own, adaptation), .accepts = accepts},
+     OWN(TEXT, develop_own, adaptation)},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
      OWN(TEXT, develop_own, display), .choices = display_names},
     {"--exposure FACTOR|auto",
      "a factor, or auto: nothing is brighter than the display (default: 1)",
-     OWN(TEXT, develop_own, exposure), .accepts = accepts},
+     OWN(TEXT, develop_own, exposure)},
     {"--bits 8|16", "bits of each channel (default: 8)", OWN(TEXT, develop_own, bits),
      .choices = picture_bits},
     {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},

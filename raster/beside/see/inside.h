@@ -3,39 +3,17 @@
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 
-#include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
+#include "raster/render/render.h"
 
 size_t picture_pixels(const struct picture *picture); /* decomposition.c */
-
-/* ---- sight.c ---- */
-
-/* Make sights as sight_relative, in cd m-2 where radiances are absolute: of an observer; of a
- * detector of three channels, where a camera needs a white, by which it is balanced; and of any
- * number of channels, without responses. */
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err);
-bool sight_of_picture(const struct cube *cube, const char *detector,
-                      const struct white_request *white, struct sight *out, struct error *err);
-bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
-                       struct error *err);
 
 /* ---- radiances.c ---- */
 
 /* A band of some rows of a tile. */
 struct drawn_band {
-    const struct picture *picture; /* its positions */
+    const struct picture *picture; /* its positions; NULL: of a stack */
     struct rectangle pixels;       /* whose means the radiances are */
     int band;
     const float *radiance; /* row by row without gaps */
@@ -86,7 +64,7 @@ struct development {
     size_t stride;   /* of its channels: pixels of that many rows */
     int first;       /* of the rows at hand */
     size_t n;        /* pixels of the rows at hand */
-    float *radiance; /* [page of those that are read together][pixel]; owned */
+    float *radiance; /* of a page of a stack; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
@@ -108,25 +86,19 @@ bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: what counts as equal ---- */
 
-enum tolerance_unit { /* the last three in the order of colour differences */
-                      TOLERANCE_RADIANCE,
-                      TOLERANCE_PERCENT,
-                      TOLERANCE_CIE76,
-                      TOLERANCE_CIE94,
-                      TOLERANCE_CIEDE2000
-};
+/* Measures of the difference of two pixels: the largest |A - B| of their pages, the angle between
+ * their spectra in degrees, and colour differences. A is the standard of CIE94. */
+enum pixel_measure { RADIANCE, SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 struct tolerance {
     double value;
-    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
+    enum pixel_measure measure;
+    bool percent; /* of A's largest radiance */
 };
-/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
-bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76", the value of --tolerance. */
+bool tolerance_read(const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
-/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
- * differences. A is the standard of CIE94. */
-enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 struct peak {
     double largest;
     int x, y; /* the first pixel that has it */
@@ -141,8 +113,6 @@ struct band_difference {
     struct peak peak; /* of |A - B|, in radiance */
     double rms;
 };
-/* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
-enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
     struct options *options; /* its operands are the stacks, and its outputs get the map */
@@ -160,8 +130,8 @@ struct comparison {
     int largest_band;        /* the band that has the peak of `all` */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
-    struct bin *bins;       /* of each measure; owned */
-    enum map_measure shown; /* by the map */
+    struct bin *bins; /* of each measure; owned */
+    bool coloured;    /* the map shows one measure, in colours */
     /* The rows at hand; all are owned. */
     double *spectra;                    /* [row][a, b][band]: the pixel at hand */
     struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */

@@ -4,11 +4,7 @@
  * hold the spectra. Each light has terms of its own here, and a texture stays apart from the
  * weights. So the picture is drawn once more, from a plan of its own: the stack does not depend on
  * its maps. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
-#include "raster/render/render.h"
 
 enum { MAP_NAME = BAND_NAME + 32, BLOCK_PIXELS = 1 << 10 };
 

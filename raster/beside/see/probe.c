@@ -2,10 +2,6 @@
 /* The spectrum of a pixel or a region, and its colour. Of a scene, the reference draws the region
  * as it draws the whole picture, and the spectra of the lights and of the material are listed
  * beside the region's radiance. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* ---- columns ---- */
@@ -121,7 +117,7 @@ bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    if (!sight_make(cube, probe->observer, &white, &probe->sight, err))
+    if (!sight_make(cube, SIGHT_OF_OBSERVER, probe->observer, &white, &probe->sight, err))
         return false;
     detector_response(sight->weights, mean, probe->n, probe->xyz);
     if (sight->has_white)

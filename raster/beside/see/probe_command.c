@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral probe: prints the spectrum of a pixel or a region, of a stack or of a scene. The command
  * lies in raster/ because the reference draws the scene. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "raster/beside/see/inside.h"
-#include "raster/render/render.h"
 
 struct probe_own {
     bool csv, svg, objects, edges;

@@ -3,10 +3,6 @@
  * standard deviation in each band; of objects also in XYZ and CIELAB, and in the channels of a
  * camera of any number of channels. Pixels at an edge of an object, where a neighbour shows another
  * one, are left out unless they are wanted. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 /* Rows are read in chunks of so many samples, 64 MiB, or of those that are wanted. Large chunks are
@@ -334,13 +330,13 @@ static bool find_sights(struct measured *of, const struct options *options, stru
     const struct white_request white = {options->white, false};
     const struct cube *cube = &of->rows.cube;
     const char *name = options_detector(options);
-    if (!sight_of_channels(cube, name, &of->camera, err))
+    if (!sight_make(cube, SIGHT_OF_CHANNELS, name, &white, &of->camera, err))
         return false;
     if (of->camera.detector.observer)
         sight_free(&of->camera);
     else
         name = "cie1931";
-    return sight_make(cube, name, &white, &of->colours, err);
+    return sight_make(cube, SIGHT_OF_OBSERVER, name, &white, &of->colours, err);
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)

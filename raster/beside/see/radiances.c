@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The radiances of a region of a scene by the reference, tile after tile, band after band. */
-#include <stdlib.h>
-
 #include "raster/beside/see/inside.h"
 
 /* Bands of a tile that load their textures together, as those of an OpenGL pass. */

@@ -5,11 +5,7 @@
 #ifndef RASTER_BESIDE_SEE_SEE_H
 #define RASTER_BESIDE_SEE_SEE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 struct lit_scene;
 struct picture;
@@ -51,18 +47,13 @@ extern const struct command curves_command;
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
-/* The picture of a scene, as a detector sees it without adaptation on an sRGB display. */
-struct scene_picture {
-    const char *detector;    /* NULL: cie1931 */
-    bool automatic;          /* at the exposure that "develop --exposure auto" finds; otherwise 1 */
-    const char *output;      /* the path of a PNG */
-    struct outputs *outputs; /* as output_pass takes them */
-    struct printed *memory;  /* takes the PNG in place of a file; NULL: a file */
-    uint64_t out_of_gamut;   /* found: pixels with a clipped channel */
-};
-/* Draws a scene by the reference, and writes its picture. Samples of the scene's plan are floats.
- * Memory beside picture->memory does not grow with the picture's height. */
-bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err);
+/* Draws a scene by the reference, and writes a PNG of it, as the options' detector sees it without
+ * adaptation on an sRGB display: to the options' output, at exposure 1; or to *memory, unless that
+ * is NULL, at the exposure that "develop --exposure auto" finds. *out_of_gamut: pixels with a
+ * clipped channel. Samples of the scene's plan are floats. Memory beside *memory does not grow with
+ * the picture's height. */
+bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
+                   uint64_t *out_of_gamut, struct error *err);
 /* Makes a cube of a scene: a stack that records its white and nothing else. The caller frees
  * record.white.value, also after a failure; the scene owns the rest. */
 bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
@@ -112,11 +103,15 @@ struct sight {
     bool has_white;
     double white[3], equal[3];
 };
-/* Makes the sight of any detector of three channels, in the unit of the radiances. Refuses what the
- * readers of detectors and cube_white refuse, and weights or a white too large to compute with. The
- * caller frees *out, zeroed before, also after a failure. */
-bool sight_relative(const struct cube *cube, const char *detector,
-                    const struct white_request *white, struct sight *out, struct error *err);
+/* The first one, of a detector of three channels, is in the unit of the radiances. The others are
+ * in cd m-2 where radiances are absolute: of an observer; of a detector of three channels, where a
+ * camera needs a white, by which it is balanced; of any number of channels, without a white and
+ * responses. */
+enum sight_kind { SIGHT_RELATIVE, SIGHT_OF_OBSERVER, SIGHT_OF_PICTURE, SIGHT_OF_CHANNELS };
+/* Makes a sight. Refuses what the readers of detectors and cube_white refuse, and weights or a
+ * white too large to compute with. The caller frees *out, zeroed before, also after a failure. */
+bool sight_make(const struct cube *cube, enum sight_kind kind, const char *detector,
+                const struct white_request *white, struct sight *out, struct error *err);
 void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */

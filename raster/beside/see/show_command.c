@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral show with --csv or --svg: the curves of lights, detectors, materials and tables, as
  * Figures 12 to 20, 27, 29 and 31 of the thesis have them. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/see/inside.h"
 
 struct show_own {

@@ -153,18 +153,18 @@ bool cube_white(const struct cube *cube, const char *spectrum, double *out, stru
 /* Finds the response of the weights to a white; in a fixed stack, of its detector to the white at
  * every nm. Refuses a missing white that is needed or named, and a white too large to compute with.
  */
-static bool find_white_response(const struct cube *cube, const struct white_request *request,
+static bool find_white_response(const struct cube *cube, const char *spectrum, bool needed,
                                 struct sight *out, struct error *err)
 {
     const int n = cube->image.n_pages;
     const struct detector *fixed = cube->record.response.n > 0 ? &out->detector : NULL;
-    const bool needed = request->needed || request->spectrum != NULL;
     struct error ignored = {.status = EXIT_AGREED};
     double *white;
+    needed = needed || spectrum != NULL;
     if (!MAKE_ARRAY(white, n, err, "the white of %s", cube->image.path))
         return false;
-    out->has_white = find_white(cube, request->spectrum, fixed, fixed ? out->white : white,
-                                needed ? err : &ignored);
+    out->has_white =
+        find_white(cube, spectrum, fixed, fixed ? out->white : white, needed ? err : &ignored);
     if (out->has_white && !fixed)
         detector_response(out->weights, white, n, out->white);
     free(white);
@@ -177,56 +177,40 @@ static bool find_white_response(const struct cube *cube, const struct white_requ
 
 /* ---- as a detector sees it ---- */
 
-/* Completes the sight of a detector; with a white request its responses, too. absolute: takes an
- * observer's XYZ to cd m-2, if the radiances of the cube are absolute. */
-static bool complete(const struct cube *cube, const struct white_request *white, bool absolute,
-                     struct sight *out, struct error *err)
+/* Takes an observer's XYZ to cd m-2. */
+static void make_absolute(struct sight *of, int n_weights)
 {
-    const struct detector *detector = &out->detector;
-    const int n = detector->n * cube->image.n_pages;
-    find_lost(cube, detector, out->lost);
-    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
-        !find_weights(cube, detector, out->weights, err) ||
-        (white && (!find_white_response(cube, white, out, err) || !find_equal(cube, out, err))))
-        return false;
-    if (!absolute || !cube->record.unit || !detector->observer)
-        return true;
-    const double luminance = detector_luminance(detector);
-    for (int i = 0; i < n; i++)
-        out->weights[i] *= luminance;
+    const double luminance = detector_luminance(&of->detector);
+    for (int i = 0; i < n_weights; i++)
+        of->weights[i] *= luminance;
     for (int i = 0; i < 3; i++) {
-        out->white[i] *= luminance;
-        out->equal[i] *= luminance;
+        of->white[i] *= luminance;
+        of->equal[i] *= luminance;
     }
-    return true;
 }
 
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err)
+bool sight_make(const struct cube *cube, enum sight_kind kind, const char *detector,
+                const struct white_request *white, struct sight *out, struct error *err)
 {
-    return observer_read(observer, &out->detector, err) && complete(cube, white, true, out, err);
-}
-
-bool sight_relative(const struct cube *cube, const char *detector,
-                    const struct white_request *white, struct sight *out, struct error *err)
-{
-    return detector_read(detector, &out->detector, err) && complete(cube, white, false, out, err);
-}
-
-bool sight_of_picture(const struct cube *cube, const char *detector,
-                      const struct white_request *white, struct sight *out, struct error *err)
-{
-    if (!detector_read(detector, &out->detector, err))
+    static bool (*const read[])(const char *, struct detector *,
+                                struct error *) = {[SIGHT_RELATIVE] = detector_read,
+                                                   [SIGHT_OF_OBSERVER] = observer_read,
+                                                   [SIGHT_OF_PICTURE] = detector_read,
+                                                   [SIGHT_OF_CHANNELS] = channels_read};
+    if (!read[kind](detector, &out->detector, err))
         return false;
-    const struct white_request request = {white->spectrum,
-                                          white->needed || !out->detector.observer};
-    return complete(cube, &request, true, out, err);
-}
-
-bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
-                       struct error *err)
-{
-    return channels_read(detector, &out->detector, err) && complete(cube, NULL, true, out, err);
+    const bool observes = out->detector.observer, balanced = kind == SIGHT_OF_PICTURE && !observes;
+    const int n = out->detector.n * cube->image.n_pages;
+    find_lost(cube, &out->detector, out->lost);
+    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
+        !find_weights(cube, &out->detector, out->weights, err) ||
+        (kind != SIGHT_OF_CHANNELS &&
+         (!find_white_response(cube, white->spectrum, white->needed || balanced, out, err) ||
+          !find_equal(cube, out, err))))
+        return false;
+    if (kind != SIGHT_RELATIVE && cube->record.unit && observes)
+        make_absolute(out, n);
+    return true;
 }
 
 void sight_free(struct sight *sight)

@@ -77,9 +77,9 @@ bool develop_weights(struct development *of, struct error *err)
     /* The result reports a recorded white even where none is needed. */
     const struct white_request white = {of->white, of->adaptation.kind != ADAPTATION_NONE ||
                                                        of->values == DEVELOP_LAB};
-    if (raw ? !cube_needs_radiance(&of->cube, "--raw", err) ||
-                  !sight_of_channels(&of->cube, of->detector_name, &of->sight, err)
-            : !sight_of_picture(&of->cube, of->detector_name, &white, &of->sight, err))
+    if ((raw && !cube_needs_radiance(&of->cube, "--raw", err)) ||
+        !sight_make(&of->cube, raw ? SIGHT_OF_CHANNELS : SIGHT_OF_PICTURE, of->detector_name,
+                    &white, &of->sight, err))
         return false;
     of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
     of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];

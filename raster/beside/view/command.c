@@ -2,8 +2,6 @@
 /* spectral view: writes an interactive viewer in one HTML file, or the picture that it shows first.
  */
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/view/inside.h"
 

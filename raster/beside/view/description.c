@@ -7,13 +7,6 @@
  * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
  * page offers.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- spectra and rows of numbers as JSON ---- */
@@ -253,7 +246,7 @@ static void put_detector(const struct cube *cube, bool is_stack, const char *nam
 {
     static const struct white_request white = {NULL, false};
     struct sight sight = {.weights = NULL};
-    if (sight_relative(cube, name, &white, &sight, err)) {
+    if (sight_make(cube, SIGHT_RELATIVE, name, &white, &sight, err)) {
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", sight.detector.observer);

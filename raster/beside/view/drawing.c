@@ -2,10 +2,6 @@
 /* A drawn scene for a page: planes of the weights of its pixels, from the reference's picture, and
  * the description of all that they weigh. Weights depend on geometry only. A still page contains
  * both, packed, planes as counts. A live page has the program make them anew after a change. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/view/inside.h"
 
 /* ---- the picture as planes ---- */
@@ -135,22 +131,13 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
 
 bool still_write(struct viewing *view, struct error *err)
 {
-    struct scene_picture picture = {.detector = view->options->detector,
-                                    .output = view->options->output,
-                                    .outputs = &view->options->outputs};
-    const bool done = develop_scene(&view->lit, &picture, err);
-    view->out_of_gamut = picture.out_of_gamut;
-    return done;
+    return develop_scene(&view->lit, view->options, NULL, &view->out_of_gamut, err);
 }
 
-bool put_first(const struct viewing *view, struct page_parts *to, struct error *err)
+bool put_first(struct viewing *view, struct page_parts *to, struct error *err)
 {
     struct printed png = {.text = NULL};
-    struct scene_picture picture = {.detector = view->options->detector,
-                                    .output = view->options->output,
-                                    .automatic = true,
-                                    .memory = &png};
-    develop_scene(&view->lit, &picture, err);
+    develop_scene(&view->lit, view->options, &png, &view->out_of_gamut, err);
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
     to->first = printed_take(&png, err);
@@ -189,35 +176,20 @@ void put_head(struct printed *to, char *json)
     free(json);
 }
 
-static bool write_parts(const struct planes *planes, const struct scene *scene,
-                        const struct output *out, struct error *err)
-{
-    const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
-    struct printed printed = {.text = NULL};
-    put_head(&printed, shape_of(planes, scene, err));
-    char *head = printed_take(&printed, err);
-    const bool done =
-        err->status == EXIT_AGREED &&
-        ((write_all(out->descriptor, head, printed.length) &&
-          write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
-          write_all(out->descriptor, planes->surface,
-                    planes->n_positions * sizeof *planes->surface)) ||
-         error_system(err, "cannot write %s", out->path));
-    free(head);
-    return done;
-}
-
 bool weights_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.surface = NULL};
-    struct output out = {.path = NULL};
-    bool done = planes_make(view, &planes, err);
-    for (int i = 0; done && i < planes.n_weights + planes.n_pages; i++)
-        planes.scale[i] = 1; /* floats are values */
-    done = done && output_open(&out, view->options->output, err) &&
-           write_parts(&planes, view->plan->scene, &out, err) &&
-           output_pass(&out, &view->options->outputs, err);
+    struct printed bytes = {.text = NULL};
+    if (planes_make(view, &planes, err)) {
+        const size_t n = (size_t)(planes.n_weights + planes.n_pages);
+        for (size_t plane = 0; plane < n; plane++)
+            planes.scale[plane] = 1; /* floats are values */
+        put_head(&bytes, shape_of(&planes, view->plan->scene, err));
+        print_stored(&bytes, planes.values, sizeof *planes.values,
+                     n * planes.n_positions * sizeof *planes.values);
+        print_stored(&bytes, planes.surface, sizeof *planes.surface,
+                     planes.n_positions * sizeof *planes.surface);
+    }
     planes_free(&planes);
-    output_discard(&out);
-    return done;
+    return printed_write(&bytes, view->options->output, &view->options->outputs, err);
 }

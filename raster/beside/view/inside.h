@@ -3,21 +3,10 @@
 #ifndef RASTER_BESIDE_VIEW_INSIDE_H
 #define RASTER_BESIDE_VIEW_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/images/images.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/view/view.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 
 struct view_options {
     double budget; /* MB; 0: not given */
@@ -129,6 +118,6 @@ struct page_parts {
 bool page_write(struct page_parts *parts, struct options *options, size_t *bytes,
                 struct error *err);
 /* drawing.c. Draws the picture that the page of a scene shows first, at its automatic exposure. */
-bool put_first(const struct viewing *view, struct page_parts *to, struct error *err);
+bool put_first(struct viewing *view, struct page_parts *to, struct error *err);
 
 #endif

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/view/inside.h"
@@ -70,7 +68,6 @@ static void page_files_free(struct page_files *files)
     free(files->list);
     free(files->above);
     inputs_free(&files->inputs);
-    *files = (struct page_files){.list = NULL};
 }
 
 char *marked_name(const char *scene, struct error *err)
@@ -83,12 +80,11 @@ char *marked_name(const char *scene, struct error *err)
 
 /* Lists the texts of a scene and the files that it names, and the detector's (NULL: none). The
  * scene must outlive *out. Refuses a file outside of the scene's folder. The caller frees *out,
- * also after a failure. */
+ * zeroed before, also after a failure. */
 static bool page_files_make(const struct scene *scene, const char *detector, struct page_files *out,
                             struct error *err)
 {
     const char *path = scene->files[0].path;
-    *out = (struct page_files){.list = NULL};
     bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A stack for a page: its samples, and all that it takes to see them. The samples of a large stack
  * are means of factor x factor pixels, so that the page keeps to its budget. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/view/inside.h"
 
 /* ---- samples ---- */
@@ -170,55 +166,50 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
                      stack->n_pixels * sizeof *stack->objects);
 }
 
-/* Makes the data for the next factor that may fit, if they are compressed by so much: as a text,
- * of->bytes long; NULL: see err. */
-static char *make_data(struct stack_page *of, const char *stack, double compressed,
-                       struct error *err)
+/* Prints the data for the next factor that may fit, if they are compressed by so much. */
+static void put_next(struct stack_page *of, const char *stack, double compressed,
+                     struct printed *to, struct error *err)
 {
-    struct printed bytes = {.text = NULL};
     do
         find_size(of);
     while (!may_fit(of, compressed));
     FREE_ALL(of->samples, of->objects, of->rows.samples);
     of->samples = of->objects = NULL;
     of->rows.samples = NULL;
-    if (!read_samples(of, err) || !read_objects(of, err))
-        return NULL;
-    put_stack(of, stack, &bytes, err);
-    char *text = printed_take(&bytes, err);
-    of->bytes = bytes.length;
-    return text;
+    if (read_samples(of, err) && read_objects(of, err))
+        put_stack(of, stack, to, err);
 }
 
 /* Packs the data with the least factor that keeps to the budget. */
-static bool put_smallest(struct stack_page *of, const char *stack, struct printed *data,
+static void put_smallest(struct stack_page *of, const char *stack, struct printed *data,
                          struct error *err)
 {
     do {
+        struct printed bytes = {.text = NULL};
         free(printed_end(data));
         *data = (struct printed){.text = NULL};
-        char *text = make_data(of, stack, most_compressed, err);
-        put_packed(data, "stack", text, text ? of->bytes : 0, err);
+        put_next(of, stack, most_compressed, &bytes, err);
+        char *text = printed_take(&bytes, err);
+        put_packed(data, "stack", text, text ? bytes.length : 0, err);
         free(text);
     } while (err->status == EXIT_AGREED && (double)data->length > of->budget_bytes &&
              of->n_pixels > 1);
-    return err->status == EXIT_AGREED;
 }
 
 bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
 {
     const char *stack = options->operand;
     struct page_parts parts = {.kind = has_live_pages() ? PAGE_LIVE : PAGE_STACK};
+    struct printed bytes = {.text = NULL};
     if (!cube_open(stack, &of->rows.cube, err))
         return false;
     if (!alone) {
         put_smallest(of, stack, &parts.data, err); /* page_write ends them, also after a failure */
         return page_write(&parts, options, &of->bytes, err);
     }
-    char *text = make_data(of, stack, 1, err);
-    const bool done = text && file_write(options->output, text, of->bytes, &options->outputs, err);
-    free(text);
-    return done;
+    put_next(of, stack, 1, &bytes, err);
+    of->bytes = bytes.length;
+    return printed_write(&bytes, options->output, &options->outputs, err);
 }
 
 void stack_page_free(struct stack_page *of)

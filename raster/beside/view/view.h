@@ -7,7 +7,6 @@
 #define RASTER_BESIDE_VIEW_VIEW_H
 
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- command.c: spectral view ---- */
 

@@ -2,8 +2,6 @@
 /* Puts a page together from the files in data/builtin/viewer. A line "<!-- NAME -->" of them stands
  * for another of these files, or for what is different in each page: its kind of scripts, its
  * policy, its data. */
-#include <stdlib.h>
-#include <string.h>
 #include <zlib.h>
 
 #include "raster/beside/view/inside.h"
@@ -92,7 +90,6 @@ static const char policy[] =
 
 struct page {
     const struct page_parts *parts;
-    const char *data; /* of the parts */
     struct printed text;
     struct error *err;
 };
@@ -130,7 +127,7 @@ static void put_marked(struct page *page, const char *name)
 {
     const bool live = page->parts->kind == PAGE_LIVE;
     if (strcmp(name, "data") == 0)
-        print_bytes(&page->text, page->data, page->parts->data.length);
+        print_bytes(&page->text, page->parts->data.text, page->parts->data.length);
     else if (strcmp(name, "body") == 0)
         print_text(&page->text, live ? "<body class=\"live\">\n" : "<body>\n");
     else if (strcmp(name, "frame") == 0)
@@ -166,11 +163,10 @@ bool page_write(struct page_parts *parts, struct options *options, size_t *bytes
     const struct builtin_file *module = parts->kind == PAGE_LIVE ? find_module() : NULL;
     if (module)
         put_base64(&parts->data, "module", module->bytes, module->length);
-    char *data = printed_take(&parts->data, err);
-    struct page page = {.parts = parts, .data = data, .err = err};
-    if (data)
-        put_file(&page, "page.html");
-    FREE_ALL(data, parts->first);
+    struct page page = {.parts = parts, .err = err};
+    put_file(&page, "page.html");
+    free(printed_take(&parts->data, err)); /* says whether the data are whole */
+    free(parts->first);
     *bytes = page.text.length;
     return printed_write(&page.text, options->output, &options->outputs, err);
 }
