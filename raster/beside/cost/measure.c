@@ -252,15 +252,8 @@ static bool settle(struct measurement *of, struct error *err)
     return true;
 }
 
-/* Renders a configuration with the check, as its user would, and measures that picture. */
-static bool check_one(struct measurement *of, struct configuration *out, struct error *err)
-{
-    return run_more(of, out->words, "", &out->checked, err) &&
-           differ(of, &of->standard, &out->error, err);
-}
-
-/* Renders those that the answer names with the check. Its errors decide, so that it may name others
- * then. */
+/* Renders those that the answer names with the check, as their users would. The errors of those
+ * pictures decide, so that it may name others then. */
 static bool run_checked(struct measurement *of, struct error *err)
 {
     struct cost *cost = of->cost;
@@ -268,12 +261,15 @@ static bool run_checked(struct measurement *of, struct error *err)
     cost_mark(cost);
     while (!all) {
         all = true;
-        for (int i = 0; i < cost->n; i++)
-            if (cost->samplings[i].named && cost->samplings[i].checked.n == 0) {
-                all = false;
-                if (!check_one(of, &cost->samplings[i], err))
-                    return false;
-            }
+        for (int i = 0; i < cost->n; i++) {
+            struct configuration *one = &cost->samplings[i];
+            if (!one->named || one->checked.n > 0)
+                continue;
+            all = false;
+            if (!run_more(of, one->words, "", &one->checked, err) ||
+                !differ(of, &of->standard, &one->error, err))
+                return false;
+        }
         cost_mark(cost);
     }
     return !cost->checked || is_long(&cost->every_nm.unchecked) ||
@@ -335,20 +331,15 @@ static bool find_positions(struct measurement *of, struct error *err)
     return refine(of, finest, true, out, err);
 }
 
-/* Each point of the finest picture has its own light. */
-static bool find_triangles(struct measurement *of, struct error *err)
-{
-    static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
-    return refine(of, finest, false, &of->cost->triangles, err);
-}
-
 static bool find_prices(struct measurement *of, struct error *err)
 {
+    /* each point has its own light */
+    static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
     struct cost *cost = of->cost;
     cost->typical = cost_typical(cost);
     return (!cost->checked ||
             run_more(of, cost->typical->words, " --no-check", &cost->opengl, err)) &&
-           find_positions(of, err) && find_triangles(of, err);
+           find_positions(of, err) && refine(of, finest, false, &cost->triangles, err);
 }
 
 /* ---- all ---- */
