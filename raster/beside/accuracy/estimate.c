@@ -248,8 +248,8 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 
 /* ---- all of it ---- */
 
-bool accuracy_estimate(const struct lit_scene *lit, enum measure_unit unit, const char *observer,
-                       int wanted, struct accuracy_estimate *out, struct error *err)
+bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wanted,
+                       struct accuracy_estimate *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
     struct measure measure;
@@ -257,9 +257,9 @@ bool accuracy_estimate(const struct lit_scene *lit, enum measure_unit unit, cons
                             .surfaces = lit->surfaces,
                             .measure = &measure,
                             .n_attributes = 2 * ((size_t)plan->max_rows + 2)};
-    bool done = measure_make(lit, unit, observer, &measure, err);
+    bool done = measure_make(lit, out->unit, observer, &measure, err);
     free(out->objects);
-    *out = (struct accuracy_estimate){.known = measure.known, .unit = unit};
+    *out = (struct accuracy_estimate){.known = measure.known, .unit = measure.unit};
     if (done && measure.known && lit->surfaces)
         done =
             find_seen(&of, wanted, err) &&

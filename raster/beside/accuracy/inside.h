@@ -65,9 +65,9 @@ struct accuracy_estimate { /* of shading; outlines do not count */
     bool known; /* or empty: the detector is no observer, or shading is flat or phong */
 };
 /* Judges about `wanted` pixels, for an observer as measure_make takes him; none where no surface is
- * lit. Counts need the full scale. *out comes in zeroed, or from an earlier call. The caller frees
- * out->objects, also after a failure. */
-bool accuracy_estimate(const struct lit_scene *lit, enum measure_unit unit, const char *observer,
-                       int wanted, struct accuracy_estimate *out, struct error *err);
+ * lit. Counts need the full scale. *out comes in with its unit, and otherwise zeroed or from an
+ * earlier call. The caller frees out->objects, also after a failure. */
+bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wanted,
+                       struct accuracy_estimate *out, struct error *err);
 
 #endif

@@ -63,15 +63,15 @@ static const struct accuracy_object *worst_of(const struct accuracy_estimate *es
 }
 
 /* Judges the picture of a plan. */
-static bool look(const struct plan *plan, enum measure_unit unit, const char *observer,
-                 struct accuracy_estimate *out, struct error *err)
+static bool look(const struct plan *plan, const char *observer, struct accuracy_estimate *out,
+                 struct error *err)
 {
     enum { REFINED_PIXELS = 8192 };
     const bool flat = plan->view.shading == FLAT;
     struct lit_scene lit = {.plan = plan};
     const bool done = (flat || (lit_make(plan, driver_of(NULL), &lit, err) &&
-                                (unit != MEASURE_COUNTS || find_full_scale(&lit, err)))) &&
-                      accuracy_estimate(&lit, unit, observer, REFINED_PIXELS, out, err);
+                                (out->unit != MEASURE_COUNTS || find_full_scale(&lit, err)))) &&
+                      accuracy_estimate(&lit, observer, REFINED_PIXELS, out, err);
     lit_free(&lit);
     if (done && !out->known)
         return error_usage(
@@ -105,37 +105,31 @@ static bool divide(struct plan *plan, struct shading *result, bool *divided, str
 }
 
 /* Divides all objects until each is good enough, or they can be divided no more. */
-static bool refine_plan(struct plan *plan, enum measure_unit unit, const char *observer,
-                        struct shading *out, struct error *err)
-{
-    bool done = look(plan, unit, observer, &out->estimate, err), divided = true;
-    out->error_before = out->estimate.quantile_95;
-    out->triangles_before = plan->n_triangles;
-    while (done && divided && worst_of(&out->estimate)->quantile_95 > out->wanted) {
-        done = divide(plan, out, &divided, err) &&
-               (!divided || look(plan, unit, observer, &out->estimate, err));
-        out->levels += divided;
-    }
-    out->triangles_after = plan->n_triangles;
-    return done;
-}
-
-/* ---- all of it ---- */
-
 static bool refine(const struct options *options, struct plan *plan, struct shading **out,
                    struct error *err)
 {
     enum { USUAL_TRIANGLES = 1000000 };
-    enum measure_unit unit;
+    const char *observer = options_detector(options);
     if (!options->accuracy)
         return true;
     if (!MAKE_ARRAY(*out, 1, err, "the error of shading"))
         return false;
-    **out = (struct shading){.is_refined = true,
-                             .most_triangles = options->max_triangles > 0 ? options->max_triangles
-                                                                          : USUAL_TRIANGLES};
-    return read_wanted("--accuracy", options->accuracy, &(*out)->wanted, &unit, err) &&
-           refine_plan(plan, unit, options_detector(options), *out, err);
+    struct shading *of = *out;
+    of->is_refined = true;
+    of->most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES;
+    of->triangles_before = plan->n_triangles;
+    bool divided = true;
+    bool done =
+        read_wanted("--accuracy", options->accuracy, &of->wanted, &of->estimate.unit, err) &&
+        look(plan, observer, &of->estimate, err);
+    of->error_before = of->estimate.quantile_95;
+    while (done && divided && worst_of(&of->estimate)->quantile_95 > of->wanted) {
+        done = divide(plan, of, &divided, err) &&
+               (!divided || look(plan, observer, &of->estimate, err));
+        of->levels += divided;
+    }
+    of->triangles_after = plan->n_triangles;
+    return done;
 }
 
 static void free_shading(struct shading *shading)
@@ -243,8 +237,7 @@ static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, 
         note_refined(lit->plan, notes);
     else if (!MAKE_ARRAY(notes->shading, 1, err, "the error of shading") ||
              (lit->plan->view.shading == GOURAUD &&
-              !accuracy_estimate(lit, MEASURE_CIEDE2000, "cie1931", pixels,
-                                 &notes->shading->estimate, err)))
+              !accuracy_estimate(lit, "cie1931", pixels, &notes->shading->estimate, err)))
         return false;
     else
         note_shading(lit->plan, notes);
