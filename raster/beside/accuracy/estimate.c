@@ -15,13 +15,13 @@
 
 /* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
 struct lattice {
-    int width, height;              /* of the picture */
     int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
 };
 struct lattice_pixel {
     double depth;
     int32_t surface;                 /* -1: background */
     struct screen_triangle triangle; /* that is seen */
+    double at[2];                    /* the pixel's centre in the picture */
 };
 struct judged_point {
     int surface; /* -1: none */
@@ -39,7 +39,8 @@ struct estimating {
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
     int n_points;
-    double *attributes; /* room for compare_point: that of each block of pixels; owned */
+    size_t n_attributes; /* numbers that compare_point needs */
+    double *attributes;  /* of each block of pixels; owned */
 };
 enum { BLOCK_PIXELS = 128 }; /* that a thread takes at a time */
 
@@ -49,9 +50,7 @@ static struct lattice lattice_of(const struct view *view, int wanted)
 {
     const double pixels = (double)view->width * view->height;
     const int step = 2 * (int)(sqrt(pixels / wanted) / 2) + 1;
-    return (struct lattice){.width = view->width,
-                            .height = view->height,
-                            .step = step,
+    return (struct lattice){.step = step,
                             .shear = step > 1 ? 2 * (int)(0.309 * step + 0.5) : 0,
                             .rows = (view->height + step - 1) / step,
                             .columns = (view->width + step - 1) / step + 2};
@@ -62,20 +61,6 @@ static struct lattice lattice_of(const struct view *view, int wanted)
 static int first_column(const struct lattice *lattice, int row)
 {
     return (int)floor(-(double)lattice->shear * (row + 0.5) / lattice->step - 0.5);
-}
-
-static void place_of(const struct lattice *lattice, int column, int row, double at[2])
-{
-    at[0] = lattice->step * (column + 0.5) + lattice->shear * (row + 0.5);
-    at[1] = lattice->step * (row + 0.5);
-}
-
-/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
-static bool lattice_place(const struct lattice *lattice, int index, double at[2])
-{
-    const int row = index / lattice->columns;
-    place_of(lattice, index % lattice->columns + first_column(lattice, row), row, at);
-    return at[0] > 0 && at[0] < lattice->width && at[1] < lattice->height;
 }
 
 /* Returns whether a triangle in front of the eye lies between two rows of the lattice. */
@@ -99,19 +84,21 @@ struct lattice_scan {
     const struct screen_triangle *triangle;
 };
 
-/* Draws a pixel that the triangle covers. x, y: column and row of the lattice. Keeps the first of
- * fragments that are equally deep. */
+/* Draws a pixel that the triangle covers, if it lies inside the picture. x, y: column and row of
+ * the lattice. Keeps the first of fragments that are equally deep. */
 static bool draw_pixel(void *context, int x, int y)
 {
     const struct lattice_scan *scan = context;
     const struct lattice *lattice = &scan->of->lattice;
-    const int column = x - first_column(lattice, y);
-    double at[2];
-    place_of(lattice, x, y, at);
+    const struct view *view = &scan->of->plan->view;
+    const double at[2] = {lattice->step * (x + 0.5) + lattice->shear * (y + 0.5),
+                          lattice->step * (y + 0.5)};
     const double depth = covered_depth(scan->triangle, at[0], at[1]);
-    struct lattice_pixel *pixel = &scan->of->pixels[y * lattice->columns + column];
-    if (depth >= 0 && depth < pixel->depth)
-        *pixel = (struct lattice_pixel){depth, scan->surface, *scan->triangle};
+    struct lattice_pixel *pixel =
+        &scan->of->pixels[y * lattice->columns + x - first_column(lattice, y)];
+    if (at[0] > 0 && at[0] < view->width && at[1] < view->height && depth >= 0 &&
+        depth < pixel->depth)
+        *pixel = (struct lattice_pixel){depth, scan->surface, *scan->triangle, {at[0], at[1]}};
     return true;
 }
 
@@ -169,31 +156,23 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
 {
     const struct lattice_pixel *pixel = &of->pixels[index];
     struct shaded_point points[2];
-    double at[2], share[3];
     out->surface = -1;
-    if (pixel->surface < 0 || !lattice_place(&of->lattice, index, at))
+    if (pixel->surface < 0)
         return;
     const struct placed_instance *placed = &of->plan->instances[pixel->surface];
     const struct judged_surface surface = {of->plan, placed, &of->plan->meshes[placed->mesh],
                                            &of->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
-    shares_at(&pixel->triangle, at[0], at[1], share);
-    if (compare_point(&surface, &pixel->triangle, at, share, attributes, points))
+    if (compare_point(&surface, &pixel->triangle, pixel->at, attributes, points))
         *out = (struct judged_point){
             pixel->surface, placed->object,
             (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
 }
 
-/* Numbers that compare_point needs. */
-static size_t attributes_of(const struct plan *plan)
-{
-    return 2 * ((size_t)plan->max_rows + 2);
-}
-
 static void judge_block(void *context, size_t first, size_t end)
 {
     const struct estimating *of = context;
-    double *attributes = of->attributes + first / BLOCK_PIXELS * attributes_of(of->plan);
+    double *attributes = of->attributes + first / BLOCK_PIXELS * of->n_attributes;
     for (size_t i = first; i < end; i++)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
 }
@@ -238,28 +217,27 @@ static double quantile(const struct judged_point *points, int n)
     return n > 0 ? (double)points[n - n / 20 - 1].error : 0;
 }
 
-/* Returns the first of the surfaces that n points show, so that the order of equal errors does not
- * matter. */
-static int first_surface(const struct judged_point *points, int n)
-{
-    int first = points[0].surface;
-    for (int i = 1; i < n; i++)
-        first = points[i].surface < first ? points[i].surface : first;
-    return first;
-}
-
+/* Judges the pixels, and sums up: of all, and of each object, which its first instance stands for.
+ */
 static bool conclude(struct estimating *of, struct accuracy_estimate *out, struct error *err)
 {
     const size_t size = sizeof *of->points;
+    threads_blocks(of->plan->options.threads, (size_t)of->n_pixels, BLOCK_PIXELS, judge_block, of);
+    for (int i = 0; i < of->n_pixels; i++)
+        if (of->points[i].surface >= 0)
+            of->points[of->n_points++] = of->points[i];
     qsort(of->points, (size_t)of->n_points, size, by_error);
     out->quantile_95 = quantile(of->points, of->n_points);
     out->n_points = of->n_points;
     qsort(of->points, (size_t)of->n_points, size, by_object);
     for (int i = 0, n; i < of->n_points; i += n) {
-        for (n = 1; i + n < of->n_points && of->points[i + n].object == of->points[i].object; n++)
-            ;
-        const struct accuracy_object object = {first_surface(&of->points[i], n),
-                                               quantile(&of->points[i], n), n};
+        const struct judged_point *points = &of->points[i];
+        struct accuracy_object object = {.surface = points->surface};
+        for (n = 0; i + n < of->n_points && points[n].object == points->object; n++)
+            if (points[n].surface < object.surface)
+                object.surface = points[n].surface;
+        object.quantile_95 = quantile(points, n);
+        object.points = n;
         if (!array_add(&out->objects, &out->n_objects, &object, sizeof object, err))
             return false;
     }
@@ -270,35 +248,28 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 
 /* ---- all of it ---- */
 
-bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
+bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wanted,
                        struct accuracy_estimate *out, struct error *err)
 {
-    const struct plan *plan = measure->plan;
-    struct estimating of = {.plan = plan, .surfaces = surfaces, .measure = measure};
-    *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    bool done =
-        find_seen(&of, wanted, err) &&
-        MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
-        MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
-        MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * attributes_of(plan),
-                   err, "the pixels that are judged") &&
-        open_patches(&of, err);
-    if (done)
-        threads_blocks(plan->options.threads, (size_t)of.n_pixels, BLOCK_PIXELS, judge_block, &of);
-    for (int i = 0; i < of.n_pixels && done; i++)
-        if (of.points[i].surface >= 0)
-            of.points[of.n_points++] = of.points[i];
-    done = done && conclude(&of, out, err);
+    const struct plan *plan = lit->plan;
+    struct measure measure;
+    struct estimating of = {.plan = plan,
+                            .surfaces = lit->surfaces,
+                            .measure = &measure,
+                            .n_attributes = 2 * ((size_t)plan->max_rows + 2)};
+    bool done = measure_make(lit, out->unit, observer, &measure, err);
+    free(out->objects);
+    *out = (struct accuracy_estimate){.known = measure.known, .unit = measure.unit};
+    if (done && measure.known && lit->surfaces)
+        done =
+            find_seen(&of, wanted, err) &&
+            MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
+            MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
+            MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * of.n_attributes,
+                       err, "the pixels that are judged") &&
+            open_patches(&of, err) && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
-    FREE_ALL(of.patches, of.points, of.pixels, of.attributes);
-    if (!done)
-        accuracy_estimate_free(out);
+    FREE_ALL(of.patches, of.points, of.pixels, of.attributes, measure.xyz);
     return done;
-}
-
-void accuracy_estimate_free(struct accuracy_estimate *estimate)
-{
-    free(estimate->objects);
-    *estimate = (struct accuracy_estimate){.objects = NULL};
 }

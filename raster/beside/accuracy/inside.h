@@ -14,19 +14,17 @@ enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
 /* ---- shading_error.c: differences as a detector sees them ---- */
 
 struct measure {
-    const struct plan *plan;
+    const struct lit_scene *lit;
     enum measure_unit unit;
-    bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
-    double full_scale; /* of counts: the caller sets that of the lit scene */
-    double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
-    double (*xyz)[3];  /* [shaded material][max_rows]: of a term of weight 1; owned */
+    bool known;       /* false: the detector is no observer, which CIEDE2000 needs */
+    double white[3];  /* XYZ of the lights; of a radiance of 1 where the observer sees none */
+    double (*xyz)[3]; /* [shaded material][max_rows]: of a term of weight 1; owned */
 };
-/* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
+/* Makes the measure of a scene: for its sampling's observer, or for `observer`, a detector's name,
  * where the scene is not sampled. A measure that is not known measures nothing. The caller always
- * frees *out. */
-bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+ * frees out->xyz. */
+bool measure_make(const struct lit_scene *lit, enum measure_unit unit, const char *observer,
                   struct measure *out, struct error *err);
-void measure_free(struct measure *measure);
 /* A point of a shaded material: the weights of its terms, and its texture. */
 struct shaded_point {
     const double *weights;
@@ -45,13 +43,12 @@ struct judged_surface {
     const struct surface *surface; /* lit */
     const struct patches *patches; /* of its shape, if there are parameters */
 };
-/* Finds both lights at a place of a triangle, with its barycentric coordinates there: the drawn
- * light, and the light of the point of the true surface that the window shows. On a mesh file the
- * facets are true, with interpolated normals (Phong 1975). `attributes`: room for those of two
- * points, twice the plan's max_rows + 2. Returns false where the true surface is not seen. */
+/* Finds both lights at a place of a triangle: the drawn light, and the light of the point of the
+ * true surface that the window shows. On a mesh file the facets are true, with interpolated normals
+ * (Phong 1975). `attributes`: room for those of two points, twice the plan's max_rows + 2. Returns
+ * false where the true surface is not seen. */
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
-                   const double at[2], const double share[3], double *attributes,
-                   struct shaded_point out[2]);
+                   const double at[2], double *attributes, struct shaded_point out[2]);
 
 /* ---- estimate.c: the error of a picture ---- */
 
@@ -67,9 +64,10 @@ struct accuracy_estimate { /* of shading; outlines do not count */
     int n_objects, n_points;         /* n_points: at which the picture was judged */
     bool known; /* or empty: the detector is no observer, or shading is flat or phong */
 };
-/* Judges about `wanted` pixels. surfaces: those of the measure's plan, lit. */
-bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
+/* Judges about `wanted` pixels, for an observer as measure_make takes him; none where no surface is
+ * lit. Counts need the full scale. *out comes in with its unit, and otherwise zeroed or from an
+ * earlier call. The caller frees out->objects, also after a failure. */
+bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wanted,
                        struct accuracy_estimate *out, struct error *err);
-void accuracy_estimate_free(struct accuracy_estimate *estimate);
 
 #endif

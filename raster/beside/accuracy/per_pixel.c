@@ -5,23 +5,6 @@
 #include "data/images/images.h"
 #include "raster/beside/accuracy/inside.h"
 
-/* ---- points in the window ---- */
-
-/* Places a point of the mesh in the window; false if it is not in front of the eye. */
-static bool window_of(const struct judged_surface *of, struct vector position,
-                      struct window_vertex *out)
-{
-    const struct vector eye = matrix_point(&of->surface->instance->model_view, position);
-    for (int r = 0; r < 4; r++) {
-        const double *row = of->plan->view.projection.row[r];
-        out->clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
-    }
-    if (!(out->clip[3] > 0))
-        return false;
-    window_place(&of->plan->view, out);
-    return true;
-}
-
 /* Returns whether the outside of a point of the mesh is turned to the eye. */
 static bool is_front(const struct judged_surface *of, const struct vertex *point)
 {
@@ -38,7 +21,7 @@ static bool is_front(const struct judged_surface *of, const struct vertex *point
 /* A point of the true surface, in the mesh and in the window. */
 struct exact_point {
     struct vertex vertex;
-    double x, y;
+    struct window_vertex window;
 };
 
 /* Places the point of parameters u and v in the window; false if it is not in front of the eye. */
@@ -46,15 +29,18 @@ static bool place_point(const struct judged_surface *of, int patch, const double
                         struct exact_point *out)
 {
     double u = u_v[0], v = u_v[1];
-    struct window_vertex window;
     patch_enter(of->patches->shape, &u, &v);
     out->vertex = patch_vertex(of->patches, patch, u, v);
     struct vector *position = &out->vertex.position;
     *position = vector_scale(vector_subtract(*position, of->mesh->centre), 1 / of->mesh->unit);
-    if (!window_of(of, *position, &window))
+    const struct vector eye = matrix_point(&of->surface->instance->model_view, *position);
+    for (int r = 0; r < 4; r++) {
+        const double *row = of->plan->view.projection.row[r];
+        out->window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+    }
+    if (!(out->window.clip[3] > 0))
         return false;
-    out->x = window.x;
-    out->y = window.y;
+    window_place(&of->plan->view, &out->window);
     return true;
 }
 
@@ -69,17 +55,18 @@ static const double near_enough_px = 1.0 / 1024;
 /* One step of Newton's method towards the place `at` of the window. Returns false where the surface
  * is seen edge-on, or leaves the view. */
 static bool step(const struct judged_surface *of, int patch, const double at[2], double u_v[2],
-                 const struct exact_point *from)
+                 const struct window_vertex *from)
 {
-    struct exact_point moved[2];
+    struct exact_point points[2];
     for (int k = 0; k < 2; k++) {
         double other[2] = {u_v[0], u_v[1]};
         other[k] += nudge;
-        if (!place_point(of, patch, other, &moved[k]))
+        if (!place_point(of, patch, other, &points[k]))
             return false;
     }
-    const double xu = (moved[0].x - from->x) / nudge, yu = (moved[0].y - from->y) / nudge,
-                 xv = (moved[1].x - from->x) / nudge, yv = (moved[1].y - from->y) / nudge,
+    const struct window_vertex *moved[2] = {&points[0].window, &points[1].window};
+    const double xu = (moved[0]->x - from->x) / nudge, yu = (moved[0]->y - from->y) / nudge,
+                 xv = (moved[1]->x - from->x) / nudge, yv = (moved[1]->y - from->y) / nudge,
                  dx = at[0] - from->x, dy = at[1] - from->y, determinant = xu * yv - xv * yu;
     const double du = (dx * yv - dy * xv) / determinant, dv = (xu * dy - yu * dx) / determinant;
     if (!(fabs(du) < 2 && fabs(dv) < 2))
@@ -101,36 +88,28 @@ static void parameters_at(const struct judged_surface *of, const struct screen_t
     }
 }
 
-/* Moves a place in the triangle's plane by as much as its point lies beside the wanted place: near
- * the surface this converges, and needs no derivatives. */
-static void follow_plane(const struct judged_surface *of, const struct screen_triangle *triangle,
-                         double dx, double dy, double place[2], double u_v[2])
-{
-    double share[3];
-    place[0] += dx;
-    place[1] += dy;
-    shares_at(triangle, place[0], place[1], share);
-    parameters_at(of, triangle, share, u_v);
-}
-
 /* Finds the point of a curved patch that the window shows at a place of the triangle, with its
- * barycentric coordinates there. */
+ * barycentric coordinates there. First it moves a place in the triangle's plane by as much as its
+ * point lies beside the wanted place: near the surface this converges, and needs no derivatives. */
 static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                        const double at[2], const double share[3], struct vertex *out)
 {
     const int patch = of->mesh->mesh.parameters[triangle->vertex[0]].patch;
     struct exact_point point;
-    double u_v[2], place[2] = {at[0], at[1]};
+    double u_v[2], place[2] = {at[0], at[1]}, moved[3];
     parameters_at(of, triangle, share, u_v);
     for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, &point); i++) {
-        const double dx = at[0] - point.x, dy = at[1] - point.y;
+        const double dx = at[0] - point.window.x, dy = at[1] - point.window.y;
         if (vector_length((struct vector){dx, dy, 0}) < near_enough_px) {
             *out = point.vertex;
             return is_front(of, out) == (triangle->clockwise == of->surface->instance->mirrored);
         }
-        if (i < PLANE_STEPS)
-            follow_plane(of, triangle, dx, dy, place, u_v);
-        else if (!step(of, patch, at, u_v, &point))
+        if (i < PLANE_STEPS) {
+            place[0] += dx;
+            place[1] += dy;
+            shares_at(triangle, place[0], place[1], moved);
+            parameters_at(of, triangle, moved, u_v);
+        } else if (!step(of, patch, at, u_v, &point.window))
             return false;
     }
     return false;
@@ -199,11 +178,11 @@ static double texel_of(const struct judged_surface *of, const struct screen_tria
 }
 
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
-                   const double at[2], const double share[3], double *attributes,
-                   struct shaded_point out[2])
+                   const double at[2], double *attributes, struct shaded_point out[2])
 {
-    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2;
+    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2, share[3];
     struct light_work ignored = {0};
+    shares_at(triangle, at[0], at[1], share);
     if (!exact_attributes(of, triangle, at, share, exact))
         return false;
     shade(&of->plan->view, triangle, share, drawn, &ignored);

@@ -51,44 +51,35 @@ static const double just_seen = 1;
 /* An object of fewer judged pixels has no quantile to rely on. */
 enum { FEWEST_POINTS = 20 };
 
-/* Returns the object whose shading is worst; NULL: none has enough pixels. The worst one comes
- * first. */
+/* Returns the object whose shading is worst; without an error: none has enough pixels. The worst
+ * one comes first. */
 static const struct accuracy_object *worst_of(const struct accuracy_estimate *estimate)
 {
+    static const struct accuracy_object none = {.quantile_95 = 0};
     for (int i = 0; i < estimate->n_objects; i++)
         if (estimate->objects[i].points >= FEWEST_POINTS)
             return &estimate->objects[i];
-    return NULL;
-}
-
-static double worst_error(const struct accuracy_estimate *estimate)
-{
-    const struct accuracy_object *worst = worst_of(estimate);
-    return worst ? worst->quantile_95 : 0;
+    return &none;
 }
 
 /* Judges the picture of a plan. */
-static bool look(const struct plan *plan, enum measure_unit unit, const char *observer,
-                 struct accuracy_estimate *out, struct error *err)
+static bool look(const struct plan *plan, const char *observer, struct accuracy_estimate *out,
+                 struct error *err)
 {
     enum { REFINED_PIXELS = 8192 };
-    struct measure measure;
-    struct lit_scene lit = {.plan = NULL};
-    accuracy_estimate_free(out);
-    bool done =
-        measure_make(plan, unit, observer, &measure, err) &&
-        (measure.known ||
-         error_usage(err,
-                     "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
-                     "as --accuracy 8counts",
-                     plan->sampling ? plan->sampling->detector : observer)) &&
-        (plan->view.shading == FLAT || (lit_make(plan, driver_of(NULL), &lit, err) &&
-                                        (unit != MEASURE_COUNTS || find_full_scale(&lit, err))));
-    measure.full_scale = lit.full_scale;
-    if (done && plan->view.shading != FLAT)
-        done = accuracy_estimate(&measure, lit.surfaces, REFINED_PIXELS, out, err);
+    const bool flat = plan->view.shading == FLAT;
+    struct lit_scene lit = {.plan = plan};
+    const bool done = (flat || (lit_make(plan, driver_of(NULL), &lit, err) &&
+                                (out->unit != MEASURE_COUNTS || find_full_scale(&lit, err)))) &&
+                      accuracy_estimate(&lit, observer, REFINED_PIXELS, out, err);
     lit_free(&lit);
-    measure_free(&measure);
+    if (done && !out->known)
+        return error_usage(
+            err,
+            "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
+            "as --accuracy 8counts",
+            plan->sampling ? plan->sampling->detector : observer);
+    out->known = !flat;
     return done;
 }
 
@@ -114,42 +105,36 @@ static bool divide(struct plan *plan, struct shading *result, bool *divided, str
 }
 
 /* Divides all objects until each is good enough, or they can be divided no more. */
-static bool refine_plan(struct plan *plan, enum measure_unit unit, const char *observer,
-                        struct shading *out, struct error *err)
-{
-    bool done = look(plan, unit, observer, &out->estimate, err), divided = true;
-    out->error_before = out->estimate.quantile_95;
-    out->triangles_before = plan->n_triangles;
-    while (done && divided && worst_error(&out->estimate) > out->wanted) {
-        done = divide(plan, out, &divided, err) &&
-               (!divided || look(plan, unit, observer, &out->estimate, err));
-        out->levels += divided;
-    }
-    out->triangles_after = plan->n_triangles;
-    return done;
-}
-
-/* ---- all of it ---- */
-
 static bool refine(const struct options *options, struct plan *plan, struct shading **out,
                    struct error *err)
 {
     enum { USUAL_TRIANGLES = 1000000 };
-    enum measure_unit unit;
+    const char *observer = options_detector(options);
     if (!options->accuracy)
         return true;
     if (!MAKE_ARRAY(*out, 1, err, "the error of shading"))
         return false;
-    **out = (struct shading){.is_refined = true,
-                             .most_triangles = options->max_triangles > 0 ? options->max_triangles
-                                                                          : USUAL_TRIANGLES};
-    return read_wanted("--accuracy", options->accuracy, &(*out)->wanted, &unit, err) &&
-           refine_plan(plan, unit, options_detector(options), *out, err);
+    struct shading *of = *out;
+    of->is_refined = true;
+    of->most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES;
+    of->triangles_before = plan->n_triangles;
+    bool divided = true;
+    bool done =
+        read_wanted("--accuracy", options->accuracy, &of->wanted, &of->estimate.unit, err) &&
+        look(plan, observer, &of->estimate, err);
+    of->error_before = of->estimate.quantile_95;
+    while (done && divided && worst_of(&of->estimate)->quantile_95 > of->wanted) {
+        done = divide(plan, of, &divided, err) &&
+               (!divided || look(plan, observer, &of->estimate, err));
+        of->levels += divided;
+    }
+    of->triangles_after = plan->n_triangles;
+    return done;
 }
 
 static void free_shading(struct shading *shading)
 {
-    accuracy_estimate_free(&shading->estimate);
+    free(shading->estimate.objects);
     free(shading);
 }
 
@@ -168,7 +153,7 @@ static void note_refined(const struct plan *plan, struct notes *notes)
     const struct shading *refined = notes->shading;
     const struct accuracy_object *worst = worst_of(&refined->estimate);
     char name[256], limit[64] = "the finest --tessellation is reached";
-    if (worst_error(&refined->estimate) <= refined->wanted)
+    if (worst->quantile_95 <= refined->wanted)
         return;
     if (refined->stopped)
         snprintf(limit, sizeof limit, "--max-triangles %ld allows no more",
@@ -183,7 +168,7 @@ static void note_shading(const struct plan *plan, struct notes *notes)
 {
     const struct accuracy_object *worst = worst_of(&notes->shading->estimate);
     char name[256];
-    if (!worst || !(worst->quantile_95 > just_seen))
+    if (!(worst->quantile_95 > just_seen))
         return;
     object_text(plan, worst->surface, name, sizeof name);
     note_add(notes, "shading",
@@ -245,26 +230,14 @@ static void put_accuracy(const struct plan *plan, const struct shading *shading,
 
 /* ---- the judge ---- */
 
-/* Estimates the error of a plan that was not refined. Vertices are lit only for smooth shading. */
-static bool estimate(const struct lit_scene *lit, int pixels, struct accuracy_estimate *out,
-                     struct error *err)
-{
-    struct measure measure;
-    if (lit->plan->view.shading != GOURAUD)
-        return true;
-    bool done = measure_make(lit->plan, MEASURE_CIEDE2000, "cie1931", &measure, err);
-    if (done && measure.known)
-        done = accuracy_estimate(&measure, lit->surfaces, pixels, out, err);
-    measure_free(&measure);
-    return done;
-}
-
+/* A plan that was not refined is judged where vertices are lit: for smooth shading. */
 static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err)
 {
     if (notes->shading && notes->shading->is_refined)
         note_refined(lit->plan, notes);
     else if (!MAKE_ARRAY(notes->shading, 1, err, "the error of shading") ||
-             !estimate(lit, pixels, &notes->shading->estimate, err))
+             (lit->plan->view.shading == GOURAUD &&
+              !accuracy_estimate(lit, "cie1931", pixels, &notes->shading->estimate, err)))
         return false;
     else
         note_shading(lit->plan, notes);

@@ -57,11 +57,12 @@ static bool find_terms(const struct plan *plan, const double *weights, struct me
     return true;
 }
 
-bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+bool measure_make(const struct lit_scene *lit, enum measure_unit unit, const char *observer,
                   struct measure *out, struct error *err)
 {
+    const struct plan *plan = lit->plan;
     double *weights;
-    *out = (struct measure){.plan = plan, .unit = unit, .known = true};
+    *out = (struct measure){.lit = lit, .unit = unit, .known = true};
     if (unit == MEASURE_COUNTS)
         return true;
     bool done = MAKE_ARRAY(weights, 3 * (size_t)plan->n_bands, err, "the weights of an observer") &&
@@ -77,29 +78,24 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
 static double counts_between(const struct measure *measure, int shaded,
                              const struct shaded_point *a, const struct shaded_point *b)
 {
-    const struct plan *plan = measure->plan;
+    const struct plan *plan = measure->lit->plan;
     const struct shaded_material *material = &plan->materials[shaded];
     double most = 0;
     for (int band = 0; band < plan->n_bands; band++)
         most = fmax(most, fabs(a->texel * shaded_radiance(plan, material, a->weights, band) -
                                b->texel * shaded_radiance(plan, material, b->weights, band)));
-    return most / measure->full_scale * UINT16_MAX;
+    return most / measure->lit->full_scale * UINT16_MAX;
 }
 
 /* ---- either unit ---- */
 
-void measure_free(struct measure *measure)
-{
-    free(measure->xyz);
-    *measure = (struct measure){.xyz = NULL};
-}
-
 static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
                    double xyz[3])
 {
-    double(*const term)[3] = measure->xyz + shaded * measure->plan->max_rows;
+    const struct plan *plan = measure->lit->plan;
+    double(*const term)[3] = measure->xyz + shaded * plan->max_rows;
     xyz[0] = xyz[1] = xyz[2] = 0;
-    for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
+    for (int t = 0; t < plan->materials[shaded].n_terms; t++)
         for (int c = 0; c < 3; c++)
             xyz[c] += point->texel * point->weights[t] * term[t][c];
 }

@@ -24,27 +24,20 @@ const struct configuration *cost_cheapest(const struct cost *cost, double error,
     return best;
 }
 
-/* Returns the most accurate one. */
-static const struct configuration *closest(const struct cost *cost, bool components)
+/* Returns the cheapest within 0.5, or else the most accurate one. */
+static const struct configuration *good_one(const struct cost *cost, bool components)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < cost->n; i++)
         if (cost->samplings[i].components == components)
             least = fmin(least, cost->samplings[i].error.quantile_95);
-    return cost_cheapest(cost, least, components);
-}
-
-static const struct configuration *without_spectra(const struct cost *cost)
-{
-    const struct configuration *good = cost_cheapest(cost, 0.5, true);
-    return good ? good : closest(cost, true);
+    return cost_cheapest(cost, fmax(least, 0.5), components);
 }
 
 const struct configuration *cost_typical(const struct cost *cost)
 {
-    const struct configuration *good = cost_cheapest(cost, 0.5, false),
-                               *best = closest(cost, false);
-    return good ? good : best ? best : &cost->samplings[0];
+    const struct configuration *good = good_one(cost, false);
+    return good ? good : &cost->samplings[0];
 }
 
 static int by_seconds(const void *a, const void *b)
@@ -57,7 +50,7 @@ static int by_seconds(const void *a, const void *b)
 /* Returns whether the answer names a configuration. */
 static bool is_named(const struct cost *cost, const struct configuration *of)
 {
-    bool named = of == cost_typical(cost) || of == without_spectra(cost);
+    bool named = of == cost_typical(cost) || of == good_one(cost, true);
     for (int i = 0; i < WANTED_ERRORS; i++)
         named = named || of == cost_cheapest(cost, wanted_errors[i], false);
     return named;
@@ -75,20 +68,50 @@ void cost_mark(struct cost *cost)
     }
 }
 
+/* ---- the table ---- */
+
+static void print_row(const struct configuration *of, struct printed *to)
+{
+    char checked[16] = "";
+    if (of->checked.n > 0)
+        snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
+    print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
+          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.largest,
+          of->components ? "no spectra" : "");
+}
+
+/* Prints those that somebody would choose, and the words of the others. */
+static void print_table(const struct cost *cost, struct printed *to)
+{
+    print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", "checked", "unchecked", "95 %", "mean",
+          "largest");
+    for (int i = 0; i < cost->n; i++)
+        if (cost->samplings[i].best)
+            print_row(&cost->samplings[i], to);
+    print_text(to, "dearer, not closer:");
+    for (int i = 0; i < cost->n; i++)
+        if (!cost->samplings[i].best)
+            print(to, " %s", cost->samplings[i].words + strlen("--sampling="));
+    print_text(to, "\n");
+    for (int i = 0; i < cost->n_notes; i++)
+        print(to, "without %s\n", cost->notes[i]);
+}
+
 /* ---- the answer ---- */
 
 static void print_seconds(const struct configuration *of, struct printed *to)
 {
-    const bool checked = of->checked.n > 0, unchecked = of->unchecked.n > 0;
-    if (checked)
-        print(to, "%.2g s checked", median_of(&of->checked));
-    if (unchecked)
-        print(to, checked ? " (%.2g unchecked)" : "%.2g s", median_of(&of->unchecked));
+    if (of->checked.n > 0)
+        print(to, "%.2g s checked (%.2g unchecked)", median_of(&of->checked),
+              median_of(&of->unchecked));
+    else
+        print(to, "%.2g s", median_of(&of->unchecked));
 }
 
-static void print_way(const struct cost *cost, const struct configuration *of, struct printed *to)
+static void print_way(const struct cost *cost, const char *name, const struct configuration *of,
+                      struct printed *to)
 {
-    print(to, "%-26s ", of->words);
+    print(to, "%-20s%-26s ", name, of->words);
     print_seconds(of, to);
     print(to, ", %.2g times cheaper than every nm; error %.3g\n",
           median_of(&cost->every_nm.unchecked) / median_of(&of->unchecked), of->error.quantile_95);
@@ -105,22 +128,11 @@ static void print_ways(const struct cost *cost, struct printed *to)
              i + n < WANTED_ERRORS && cost_cheapest(cost, wanted_errors[i + n], false) == way; n++)
             length += snprintf(errors + length, sizeof errors - (size_t)length, ", %g",
                                wanted_errors[i + n]);
-        print(to, "%-20s", errors);
         if (way)
-            print_way(cost, way, to);
+            print_way(cost, errors, way, to);
         else
-            print_text(to, "none of those tried\n");
+            print(to, "%-20snone of those tried\n", errors);
     }
-}
-
-/* Prints what samplings that hold no spectra can do. */
-static void print_colours(const struct cost *cost, struct printed *to)
-{
-    const struct configuration *way = without_spectra(cost);
-    if (!way)
-        return;
-    print_text(to, "without spectra     ");
-    print_way(cost, way, to);
 }
 
 static void print_check(const struct cost *cost, struct printed *to)
@@ -170,10 +182,9 @@ static void print_standard(const struct options *options, struct printed *to)
                    "-o every-nm.tif\n");
 }
 
-static void print_table(const struct cost *cost, struct printed *to);
-
 void cost_print(const struct options *options, const struct cost *cost, struct printed *to)
 {
+    const struct configuration *without_spectra = good_one(cost, true);
     print(to,
           "scene               %s, %d x %d pixels, seen by %s\n"
           "                    seconds of processors, unchecked by the reference alone; "
@@ -183,7 +194,8 @@ void cost_print(const struct options *options, const struct cost *cost, struct p
     print(to, "%-20s%-26s ", "every nm", "--sampling=riemann:1");
     print_seconds(&cost->every_nm, to);
     print_text(to, "\n");
-    print_colours(cost, to);
+    if (without_spectra)
+        print_way(cost, "without spectra", without_spectra, to);
     print_check(cost, to);
     print_refinement(cost, "samples of a pixel", "on average off by", &cost->positions, to);
     print_refinement(cost, "triangles", "light is off by", &cost->triangles, to);
@@ -195,34 +207,7 @@ void cost_print(const struct options *options, const struct cost *cost, struct p
         print_table(cost, to);
 }
 
-/* ---- the table ---- */
-
-static void print_row(const struct configuration *of, struct printed *to)
-{
-    char checked[16] = "";
-    if (of->checked.n > 0)
-        snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
-    print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
-          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.largest,
-          of->components ? "no spectra" : "");
-}
-
-/* Prints those that somebody would choose, and the words of the others. */
-static void print_table(const struct cost *cost, struct printed *to)
-{
-    print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", "checked", "unchecked", "95 %", "mean",
-          "largest");
-    for (int i = 0; i < cost->n; i++)
-        if (cost->samplings[i].best)
-            print_row(&cost->samplings[i], to);
-    print_text(to, "dearer, not closer:");
-    for (int i = 0; i < cost->n; i++)
-        if (!cost->samplings[i].best)
-            print(to, " %s", cost->samplings[i].words + strlen("--sampling="));
-    print_text(to, "\n");
-    for (int i = 0; i < cost->n_notes; i++)
-        print(to, "without %s\n", cost->notes[i]);
-}
+/* ---- as CSV and JSON ---- */
 
 static void print_csv_row(const struct configuration *of, struct printed *to)
 {

@@ -42,18 +42,13 @@ static bool report(struct options *options, const struct cost *cost, struct erro
 /* ---- the command ---- */
 
 /* Refuses standard input, which can be read only once. */
-static bool check_scene(const struct options *options, struct error *err)
-{
-    return strcmp(options_scene(options), "-") != 0 ||
-           error_usage(err, "cost reads the scene anew for each configuration; expected a file, "
-                            "not standard input");
-}
-
 static bool run_cost(struct options *options, struct error *err)
 {
     struct cost cost = {.scene = NULL};
-    const bool done = check_scene(options, err) && cost_measure(options, &cost, err) &&
-                      report(options, &cost, err);
+    if (strcmp(options_scene(options), "-") == 0)
+        return error_usage(err, "cost reads the scene anew for each configuration; expected a "
+                                "file, not standard input");
+    const bool done = cost_measure(options, &cost, err) && report(options, &cost, err);
     cost_free(&cost);
     return done;
 }

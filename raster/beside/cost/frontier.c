@@ -23,8 +23,12 @@ static void mark(struct marks *marks, const struct configuration *of, const stru
 static struct chart_series series_of(const char *name, enum chart_kind kind,
                                      const struct marks *marks)
 {
-    return (struct chart_series){
-        .name = name, .kind = kind, .n = marks->n, .x = marks->seconds, .y = marks->errors};
+    return (struct chart_series){.name = name,
+                                 .kind = kind,
+                                 .n = marks->n,
+                                 .x = marks->seconds,
+                                 .y = marks->errors,
+                                 .labels = marks->names};
 }
 
 void cost_svg(const struct cost *cost, struct printed *to)
@@ -42,13 +46,10 @@ void cost_svg(const struct cost *cost, struct printed *to)
         if (one->checked.n > 0)
             mark(&checked, one, &one->checked, least);
     }
-    struct chart_series series[] = {
+    const struct chart_series series[] = {
         series_of(cost->checked ? "unchecked" : "by the reference", CHART_STEPS, &best),
         series_of("unchecked, without spectra", CHART_RINGS, &components),
         series_of("checked", CHART_CIRCLES, &checked)};
-    series[0].labels = best.names;
-    series[1].labels = components.names;
-    series[2].labels = checked.names;
     snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
              cost->observer);
     snprintf(label, sizeof label, "CIEDE2000, 95 %% of the pixels (%.2g: this or less)", least);

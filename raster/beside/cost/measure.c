@@ -29,8 +29,7 @@ enum { FEWEST_RUNS = 3, WORDS_LENGTH = 5 * RENDER_WORDS };
 struct measurement {
     const struct options *options;
     struct cost *cost;
-    struct scene scene;            /* as the command line changes it */
-    char small_size[RENDER_WORDS]; /* as a word, for the prices that are ratios */
+    struct scene scene; /* as the command line changes it */
     struct folder folder;
     char stacks[N_STACKS][sizeof(struct folder) + 16];
     struct seen_stack standard;
@@ -75,15 +74,6 @@ static bool add_note(struct cost *cost, const char *words, const struct error *w
     return false;
 }
 
-/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
-static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
-{
-    if (count == 0)
-        return;
-    snprintf(text, 32, "%s=%d", name, count);
-    line[(*n)++] = text;
-}
-
 /* Cuts words at their blanks, and adds them to a command line. */
 static void add_words(const char *line[], int *n, char *words)
 {
@@ -95,21 +85,15 @@ static void add_words(const char *line[], int *n, char *words)
     }
 }
 
-/* Shows how much of the likely time has passed. */
-static void show(struct measurement *of)
-{
-    const double passed = clock_seconds() - of->begun;
-    if (of->shown && of->likely > 0)
-        progress_show(&of->line, (long)(100 * passed), (long)(100 * fmax(of->likely, passed)) + 1);
-}
-
-/* A picture that is not agreed has its price, too. A failure that names a temporary file is for
- * want of room. */
+/* Shows how much of the likely time has passed. A picture that is not agreed has its price, too. A
+ * failure that names a temporary file is for want of room. */
 static bool conclude(struct measurement *of, struct error *own, struct error *err)
 {
+    const double passed = clock_seconds() - of->begun;
     of->cost->n_runs++;
     of->cost->n_not_agreed += own->status == EXIT_DIFFERENT;
-    show(of);
+    if (of->shown && of->likely > 0)
+        progress_show(&of->line, (long)(100 * passed), (long)(100 * fmax(of->likely, passed)) + 1);
     if (own->status == EXIT_AGREED || own->status == EXIT_DIFFERENT)
         return true;
     if (strstr(own->text, of->folder.path))
@@ -120,30 +104,32 @@ static bool conclude(struct measurement *of, struct error *own, struct error *er
 
 enum { MORE_WORDS = 24 };
 
-/* Renders the scene with what cost was given, and then with these words. The scene comes last: its
- * name may begin with a dash. A library of OpenGL is refused where the reference draws alone. */
-static bool run(struct measurement *of, const char *words, int stack, struct timing *out,
-                struct error *err)
+/* Renders the scene with what cost was given, and then with the words of a configuration and more.
+ * The scene comes last: its name may begin with a dash. A library of OpenGL is refused where the
+ * reference draws alone. */
+static bool run(struct measurement *of, const char *words, const char *more, int stack,
+                struct timing *out, struct error *err)
 {
     const struct options *options = of->options;
-    const bool draws = of->cost->checked && !strstr(words, alone);
+    const bool draws = of->cost->checked && !strstr(more, alone);
     const char *line[MOST_RECORDED + MORE_WORDS] = {options->program, "render"};
-    char threads[32], memory[32], own_words[WORDS_LENGTH];
+    char own_words[WORDS_LENGTH];
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds;
     int n = 2;
     for (int i = 0; i < options->n_recorded; i++)
         if (draws || strncmp(options->recorded[i], "--gl=", strlen("--gl=")) != 0)
             line[n++] = options->recorded[i];
-    snprintf(own_words, sizeof own_words, "%s%s", words,
-             draws || strstr(words, alone) ? "" : alone);
+    const int length = snprintf(own_words, sizeof own_words, "%s%s%s --threads=%d", words, more,
+                                of->cost->checked ? "" : alone, threads_count(options->threads));
+    if (options->memory_mib > 0)
+        snprintf(own_words + length, sizeof own_words - (size_t)length, " --memory=%d",
+                 options->memory_mib);
     add_words(line, &n, own_words);
-    if (options->detector && strstr(words, "--sampling=")) {
+    if (options->detector) {
         line[n++] = "--detector";
         line[n++] = options->detector;
     }
-    add_count(line, &n, "--threads", options->threads, threads);
-    add_count(line, &n, "--memory", options->memory_mib, memory);
     const char *const last[] = {
         "--keep", "--quiet", "--output", of->stacks[stack], "--", options_scene(options), NULL};
     memcpy(line + n, last, sizeof last);
@@ -152,36 +138,21 @@ static bool run(struct measurement *of, const char *words, int stack, struct tim
     return conclude(of, &own, err);
 }
 
-/* Renders with the words of a configuration and more. */
-static bool run_once(struct measurement *of, const char *words, const char *more,
-                     struct timing *out, struct error *err)
-{
-    char all[WORDS_LENGTH];
-    snprintf(all, sizeof all, "%s%s", words, more);
-    return run(of, all, STACK, out, err);
-}
-
 /* Renders three times, but once if it takes long. */
 static bool run_more(struct measurement *of, const char *words, const char *more,
                      struct timing *out, struct error *err)
 {
     while (out->n < FEWEST_RUNS && !is_long(out))
-        if (!run_once(of, words, more, out, err))
+        if (!run(of, words, more, STACK, out, err))
             return false;
     return true;
 }
 
-/* The reference draws a configuration alone. */
-static bool run_unchecked(struct measurement *of, struct configuration *out, struct error *err)
-{
-    return run_once(of, out->words, alone, &out->unchecked, err);
-}
-
-/* Finds how far a stack is off from another. */
-static bool differ(const struct measurement *of, struct seen_stack *standard, int stack,
+/* Finds how far the latest stack is off from another. */
+static bool differ(const struct measurement *of, struct seen_stack *standard,
                    struct colour_difference *out, struct error *err)
 {
-    return stack_difference(standard, of->stacks[stack], of->cost->observer, of->options->threads,
+    return stack_difference(standard, of->stacks[STACK], of->cost->observer, of->options->threads,
                             out, err);
 }
 
@@ -191,10 +162,8 @@ static bool differ(const struct measurement *of, struct seen_stack *standard, in
 static bool make_standard(struct measurement *of, struct error *err)
 {
     struct configuration *out = &of->cost->every_nm;
-    char words[WORDS_LENGTH];
     snprintf(out->words, sizeof out->words, "%s", every_nm);
-    snprintf(words, sizeof words, "%s%s%s", every_nm, " --depth=32f", alone);
-    return run(of, words, STANDARD, &out->unchecked, err);
+    return run(of, "--sampling=riemann:1 --depth=32f", alone, STANDARD, &out->unchecked, err);
 }
 
 /* Says how long everything is likely to take, when the first sampling has been drawn: some thirty
@@ -218,8 +187,8 @@ static bool try_sampling(struct measurement *of, int sampling, struct error *err
     struct error own = {.status = EXIT_AGREED};
     *out = (struct configuration){.components = sampling < N_COMPONENTS};
     snprintf(out->words, sizeof out->words, "%s", samplings[sampling]);
-    const bool drawn = run_unchecked(of, out, &own);
-    if (drawn && differ(of, &of->standard, STACK, &out->error, &own))
+    const bool drawn = run(of, out->words, alone, STACK, &out->unchecked, &own);
+    if (drawn && differ(of, &of->standard, &out->error, &own))
         cost->n++;
     else if (drawn && own.status == EXIT_INPUT) /* the standard has no white */
         error_usage(err, "no light shines at the wavelengths of %s: it has no colours",
@@ -264,7 +233,7 @@ static bool run_rivals(struct measurement *of, double error, bool components, bo
             (other == best && best->unchecked.n >= FEWEST_RUNS))
             continue;
         *settled = false;
-        if (!run_unchecked(of, other, err))
+        if (!run(of, other->words, alone, STACK, &other->unchecked, err))
             return false;
     }
     return true;
@@ -283,15 +252,8 @@ static bool settle(struct measurement *of, struct error *err)
     return true;
 }
 
-/* Renders a configuration with the check, as its user would, and measures that picture. */
-static bool check_one(struct measurement *of, struct configuration *out, struct error *err)
-{
-    return run_more(of, out->words, "", &out->checked, err) &&
-           differ(of, &of->standard, STACK, &out->error, err);
-}
-
-/* Renders those that the answer names with the check. Its errors decide, so that it may name others
- * then. */
+/* Renders those that the answer names with the check, as their users would. The errors of those
+ * pictures decide, so that it may name others then. */
 static bool run_checked(struct measurement *of, struct error *err)
 {
     struct cost *cost = of->cost;
@@ -299,12 +261,15 @@ static bool run_checked(struct measurement *of, struct error *err)
     cost_mark(cost);
     while (!all) {
         all = true;
-        for (int i = 0; i < cost->n; i++)
-            if (cost->samplings[i].named && cost->samplings[i].checked.n == 0) {
-                all = false;
-                if (!check_one(of, &cost->samplings[i], err))
-                    return false;
-            }
+        for (int i = 0; i < cost->n; i++) {
+            struct configuration *one = &cost->samplings[i];
+            if (!one->named || one->checked.n > 0)
+                continue;
+            all = false;
+            if (!run_more(of, one->words, "", &one->checked, err) ||
+                !differ(of, &of->standard, &one->error, err))
+                return false;
+        }
         cost_mark(cost);
     }
     return !cost->checked || is_long(&cost->every_nm.unchecked) ||
@@ -313,109 +278,81 @@ static bool run_checked(struct measurement *of, struct error *err)
 
 /* ---- positions and triangles, with a sampling of few pages and not too many pixels ---- */
 
-/* A kind of refinement at work. */
-struct ladder {
-    struct seen_stack finest;
-    double seconds; /* of the typical sampling as it is */
-};
-
 /* Renders the typical sampling with more words. */
-static bool run_typical(struct measurement *of, const char *more, const char *yet_more, int stack,
+static bool run_typical(struct measurement *of, const char *words, const char *more, int stack,
                         double *seconds, struct error *err)
 {
+    const struct cost *cost = of->cost;
     struct timing timing = {.n = 0};
-    char words[WORDS_LENGTH];
-    snprintf(words, sizeof words, "%s%s%s%s", of->cost->typical->words, of->small_size, more,
-             yet_more);
-    const bool done = run(of, words, stack, &timing, err);
+    char all[WORDS_LENGTH];
+    snprintf(all, sizeof all, "%s%s --size=%dx%d", cost->typical->words, words, cost->small_width,
+             cost->small_height);
+    const bool done = run(of, all, more, stack, &timing, err);
     *seconds = timing.seconds[0];
     return done;
 }
 
-/* Renders it in the finest way, by the reference, and as it is, and finds how far it is off. */
-static bool begin_ladder(struct measurement *of, const char *finest, struct ladder *out,
-                         struct colour_difference *error, struct error *err)
+/* Renders it in the finest way, by the reference; as it is; and in a finer way, if there is one.
+ * Finds how far the last two are off. Triangles have a finer way if their error is seen. Outlines
+ * are few pixels, which a quantile leaves out: the mean counts. */
+static bool refine(struct measurement *of, const char *finest, bool outlines,
+                   struct refinement *out, struct error *err)
 {
-    double ignored;
-    *out = (struct ladder){.finest = {.path = of->stacks[FINEST]}};
-    return run_typical(of, finest, alone, FINEST, &ignored, err) &&
-           run_typical(of, "", "", STACK, &out->seconds, err) &&
-           differ(of, &out->finest, STACK, error, err);
-}
-
-/* Renders it in a finer way, and finds how far that is off. */
-static bool climb(struct measurement *of, struct ladder *ladder, struct refinement *out,
-                  struct colour_difference *error, struct error *err)
-{
-    double seconds;
-    const bool done = run_typical(of, out->words, "", STACK, &seconds, err) &&
-                      differ(of, &ladder->finest, STACK, error, err);
-    out->factor = done ? seconds / ladder->seconds : 0;
+    static const double none = 0.02; /* an error that nobody would spend a second on */
+    struct seen_stack standard = {.path = of->stacks[FINEST]};
+    struct colour_difference error = {.mean = 0};
+    double seconds[3] = {0};
+    bool done = run_typical(of, finest, alone, FINEST, &seconds[0], err) &&
+                run_typical(of, "", "", STACK, &seconds[1], err) &&
+                differ(of, &standard, &error, err);
+    out->before = outlines ? error.mean : error.quantile_95;
+    if (!outlines && of->cost->checked && out->before >= none)
+        snprintf(out->words, sizeof out->words, " --accuracy=%.2g", out->before / 2);
+    if (done && out->words[0]) {
+        done = run_typical(of, out->words, "", STACK, &seconds[2], err) &&
+               differ(of, &standard, &error, err);
+        out->after = outlines ? error.mean : error.quantile_95;
+        out->factor = seconds[2] / seconds[1];
+    }
+    seen_free(&standard);
     return done;
 }
 
-/* Outlines are few pixels, which a quantile leaves out. */
 static bool find_positions(struct measurement *of, struct error *err)
 {
     struct refinement *out = &of->cost->positions;
     const int side = of->scene.positions;
-    struct colour_difference error = {.mean = 0};
-    struct ladder ladder;
     char finest[RENDER_WORDS];
     out->before = (double)NAN;
     if (4 * side > MOST_POSITIONS)
         return true;
     snprintf(finest, sizeof finest, " --samples=%d", 4 * side);
     snprintf(out->words, sizeof out->words, " --samples=%d", 2 * side);
-    bool done = begin_ladder(of, finest, &ladder, &error, err);
-    out->before = error.mean;
-    done = done && climb(of, &ladder, out, &error, err);
-    out->after = error.mean;
-    seen_free(&ladder.finest);
-    return done;
-}
-
-/* Each point of the finest picture has its own light. */
-static bool find_triangles(struct measurement *of, struct error *err)
-{
-    static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
-    static const double none = 0.02; /* an error that nobody would spend a second on */
-    struct refinement *out = &of->cost->triangles;
-    struct colour_difference error = {.quantile_95 = 0};
-    struct ladder ladder;
-    bool done = begin_ladder(of, finest, &ladder, &error, err);
-    out->before = error.quantile_95;
-    if (done && of->cost->checked && out->before >= none) {
-        snprintf(out->words, sizeof out->words, " --accuracy=%.2g", out->before / 2);
-        done = climb(of, &ladder, out, &error, err);
-        out->after = error.quantile_95;
-    }
-    seen_free(&ladder.finest);
-    return done;
+    return refine(of, finest, true, out, err);
 }
 
 static bool find_prices(struct measurement *of, struct error *err)
 {
+    /* each point has its own light */
+    static const char finest[] = " --shading=phong --tessellation=4 --depth=32f --full-scale=65535";
     struct cost *cost = of->cost;
     cost->typical = cost_typical(cost);
     return (!cost->checked ||
             run_more(of, cost->typical->words, " --no-check", &cost->opengl, err)) &&
-           find_positions(of, err) && find_triangles(of, err);
+           find_positions(of, err) && refine(of, finest, false, &cost->triangles, err);
 }
 
 /* ---- all ---- */
 
 /* Halves the sides of a large picture, until prices that are ratios take little time. */
-static void find_small_size(struct measurement *of)
+static void find_small_size(struct cost *cost)
 {
     static const int most = 60000; /* pixels */
-    int width = of->scene.width, height = of->scene.height;
+    int width = cost->width, height = cost->height;
     for (; (double)width * height > most; width /= 2)
         height = height > 1 ? height / 2 : 1;
-    if (width < of->scene.width)
-        snprintf(of->small_size, sizeof of->small_size, " --size=%dx%d", width, height);
-    of->cost->small_width = width;
-    of->cost->small_height = height;
+    cost->small_width = width;
+    cost->small_height = height;
 }
 
 static bool try_opengl(void *context, void *out, struct error *err)
@@ -460,7 +397,7 @@ static bool survey(struct measurement *of, struct error *err)
     cost->width = of->scene.width;
     cost->height = of->scene.height;
     cost->checked = cost->checked && of->scene.shading != SHADING_PHONG;
-    find_small_size(of);
+    find_small_size(cost);
     cost->scene = printed_take(&name, err);
     return cost->scene != NULL;
 }

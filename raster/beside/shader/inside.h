@@ -14,24 +14,19 @@ struct program_effects {
     bool shines, two_sided;
     enum { UNTEXTURED, GREY_TEXTURE, SPECTRAL_TEXTURE } texture;
 };
-/* A program and the places of its variables; -1: it has none. */
-struct program {
-    unsigned name; /* 0: not made yet */
-    int to_clip, to_eye, normals, gloss;
-    int constant, diffuse, specular;
-};
 struct shader;
 /* Makes the program of some effects, or with NULL the one that draws the numbers of triangles,
- * unless there is one, and uses it. NULL: a failure. */
-struct program *program_use(struct shader *shader, const struct program_effects *effects,
-                            struct error *err);
+ * unless there is one, and uses it. Returns its name; 0: a failure. */
+unsigned program_use(struct shader *shader, const struct program_effects *effects,
+                     struct error *err);
 
 /* ---- shared ---- */
 
 struct shader {
-    struct drawing base;      /* the first member */
-    struct program *programs; /* the one that draws numbers, then VARIANTS of each group; owned */
-    unsigned stream;          /* the buffer of numbered vertices */
+    struct drawing base; /* the first member */
+    unsigned *programs; /* names; 0: not made yet: the one that draws numbers, then VARIANTS of each
+                           group; owned */
+    unsigned stream;    /* the buffer of numbered vertices */
 };
 
 #endif

@@ -29,26 +29,26 @@ static int bind_mesh(struct shader *shader, int instance)
 
 /* Sets a matrix of n x n: 4, or 3 for normals. OpenGL keeps matrices by column, and ignores what a
  * program does not have. */
-static void set_matrix(const struct shader *shader, int at, const struct matrix *m, int n)
+static void set_matrix(const struct gl_functions *call, int at, const struct matrix *m, int n)
 {
     GLfloat columns[16];
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             columns[n * j + i] = (GLfloat)m->row[i][j];
-    (n == 4 ? shader->base.call->UniformMatrix4fv
-            : shader->base.call->UniformMatrix3fv)(at, 1, GL_FALSE, columns);
+    (n == 4 ? call->UniformMatrix4fv : call->UniformMatrix3fv)(at, 1, GL_FALSE, columns);
 }
 
 /* Sets the matrix that takes an instance to the tile's clip space. The product is made in double
  * and rounded once: all programs get the same numbers. */
-static void place_instance(const struct shader *shader, const struct program *program, int instance)
+static void place_instance(const struct shader *shader, unsigned program, int instance)
 {
+    const struct gl_functions *call = shader->base.call;
     const struct instance *placed = &shader->base.plan->instances[instance].instance;
     const struct matrix to_clip =
         matrix_product(drawing_projection(&shader->base), placed->model_view);
-    set_matrix(shader, program->to_clip, &to_clip, 4);
-    set_matrix(shader, program->to_eye, &placed->model_view, 4);
-    set_matrix(shader, program->normals, &placed->normal_matrix, 3);
+    set_matrix(call, call->GetUniformLocation(program, "to_clip"), &to_clip, 4);
+    set_matrix(call, call->GetUniformLocation(program, "to_eye"), &placed->model_view, 4);
+    set_matrix(call, call->GetUniformLocation(program, "normals"), &placed->normal_matrix, 3);
 }
 
 /* ---- drawing ---- */
@@ -58,7 +58,7 @@ static void place_instance(const struct shader *shader, const struct program *pr
 typedef GLfloat batch_colours[MOST_AT_ONCE][4];
 
 /* Gives a program the colours of a material. */
-static void set_material(const struct shader *shader, const struct program *program,
+static void set_material(const struct shader *shader, unsigned program,
                          const struct shaded_material *shaded, int group,
                          const struct frame_batch *batch)
 {
@@ -75,40 +75,31 @@ static void set_material(const struct shader *shader, const struct program *prog
             memcpy(specular[i][k], colours.specular[i], sizeof specular[i][k]);
         }
     }
-    call->UniformMatrix4fv(program->constant, 1, GL_FALSE, constant[0]);
-    call->UniformMatrix4fv(program->diffuse, colours.n_lights, GL_FALSE, diffuse[0][0]);
-    call->UniformMatrix4fv(program->specular, colours.n_lights, GL_FALSE, specular[0][0]);
-    call->Uniform1f(program->gloss, (GLfloat)shaded->material->gloss);
-}
-
-static struct program_effects effects_of(const struct shader *shader, int instance, int group)
-{
-    const struct plan *plan = shader->base.plan;
-    const struct placed_instance *placed = &plan->instances[instance];
-    const struct shaded_material *shaded = &plan->materials[placed->shaded];
-    const bool textured = shaded->texture;
-    struct program_effects out = {.group = group,
-                                  .shines = has_term(shaded, TERM_SPECULAR),
-                                  .two_sided = placed->object->two_sided};
-    out.texture = !textured                   ? UNTEXTURED
-                  : shaded->texture->spectral ? SPECTRAL_TEXTURE
-                                              : GREY_TEXTURE;
-    return out;
+    call->UniformMatrix4fv(call->GetUniformLocation(program, "constant"), 1, GL_FALSE, constant[0]);
+    call->UniformMatrix4fv(call->GetUniformLocation(program, "diffuse"), colours.n_lights, GL_FALSE,
+                           diffuse[0][0]);
+    call->UniformMatrix4fv(call->GetUniformLocation(program, "specular"), colours.n_lights,
+                           GL_FALSE, specular[0][0]);
+    call->Uniform1f(call->GetUniformLocation(program, "gloss"), (GLfloat)shaded->material->gloss);
 }
 
 static bool draw_instance(struct drawing *of, int instance, int group,
                           const struct frame_batch *batch, struct error *err)
 {
     struct shader *shader = (struct shader *)of;
-    const struct shaded_material *shaded =
-        &of->plan->materials[of->plan->instances[instance].shaded];
-    const struct program_effects effects = effects_of(shader, instance, group);
-    const struct program *program = program_use(shader, &effects, err);
-    if (!program)
+    const struct placed_instance *placed = &of->plan->instances[instance];
+    const struct shaded_material *shaded = &of->plan->materials[placed->shaded];
+    struct program_effects effects = {.group = group,
+                                      .shines = has_term(shaded, TERM_SPECULAR),
+                                      .two_sided = placed->object->two_sided};
+    if (shaded->texture)
+        effects.texture = shaded->texture->spectral ? SPECTRAL_TEXTURE : GREY_TEXTURE;
+    const unsigned program = program_use(shader, &effects, err);
+    if (program == 0)
         return false;
     set_material(shader, program, shaded, group, batch);
     place_instance(shader, program, instance);
-    if (effects.texture != UNTEXTURED)
+    if (shaded->texture)
         texture_bind(of, shaded->texture);
     const int n = bind_mesh(shader, instance);
     of->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
@@ -143,7 +134,7 @@ static void draw_corners(const struct drawing *of, const struct numbered_vertex 
 static void place(const struct drawing *of, int instance)
 {
     const struct shader *shader = (const struct shader *)of;
-    place_instance(shader, &shader->programs[0], instance);
+    place_instance(shader, shader->programs[0], instance);
 }
 
 /* ---- opening ---- */

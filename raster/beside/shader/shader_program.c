@@ -13,9 +13,10 @@ static void program_begin(enum gl_way way, struct printed *to)
                        : "#version 330 core\n");
 }
 
-static bool is_flat(const struct shader *of)
+/* How a program declares colours; flat shading does not interpolate them. */
+static const char *flat_word(const struct shader *of)
 {
-    return of->base.plan->view.shading == FLAT;
+    return of->base.plan->view.shading == FLAT ? "flat " : "";
 }
 
 /* ---- lighting at a vertex ---- */
@@ -84,7 +85,7 @@ static void print_vertex_variables(const struct shader *of, const struct program
                                    struct printed *to)
 {
     const int n = light_group(of->base.plan, effects->group).n;
-    const char *flat = is_flat(of) ? "flat " : "";
+    const char *flat = flat_word(of);
     const int lights = n > 0 ? n : 1;
     print(to,
           "layout(location = 0) in vec3 position;\n"
@@ -131,7 +132,7 @@ static void print_fragment_shader(const struct shader *of, const struct program_
                                   struct printed *to)
 {
     const int n = of->base.renderer.n_at_once;
-    const char *flat = is_flat(of) ? "flat " : "";
+    const char *flat = flat_word(of);
     program_begin(of->base.plan->options.gl_way, to);
     print(to, "in vec2 at;\n%sin mat4 front;\n", flat);
     if (effects->two_sided)
@@ -198,19 +199,6 @@ static bool program_end(const struct gl_functions *call, struct printed *vertex,
     return true;
 }
 
-static void find_variables(const struct shader *of, struct program *program)
-{
-    const struct {
-        const char *name;
-        int *at;
-    } variables[] = {{"to_clip", &program->to_clip},   {"to_eye", &program->to_eye},
-                     {"normals", &program->normals},   {"gloss", &program->gloss},
-                     {"constant", &program->constant}, {"diffuse", &program->diffuse},
-                     {"specular", &program->specular}};
-    for (size_t i = 0; i < sizeof variables / sizeof *variables; i++)
-        *variables[i].at = of->base.call->GetUniformLocation(program->name, variables[i].name);
-}
-
 /* Sets what no pass changes: the lights of the group, and the units of textures. */
 static void set_lights(const struct shader *of, int group, GLuint program)
 {
@@ -262,27 +250,25 @@ static void print_numbers(enum gl_way way, struct printed *vertex, struct printe
                          "    colour0 = vec4(shown, 0.0);\n}\n");
 }
 
-struct program *program_use(struct shader *shader, const struct program_effects *effects,
-                            struct error *err)
+unsigned program_use(struct shader *shader, const struct program_effects *effects,
+                     struct error *err)
 {
-    struct program *program = shader->programs;
+    const struct gl_functions *call = shader->base.call;
+    unsigned *program = shader->programs;
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
     if (effects)
         program += 1 + VARIANTS * effects->group + 6 * effects->shines + 3 * effects->two_sided +
                    (int)effects->texture;
-    if (program->name) {
-        shader->base.call->UseProgram(program->name);
-        return program;
+    if (*program) {
+        call->UseProgram(*program);
+        return *program;
     }
     if (effects) {
         print_vertex_shader(shader, effects, &vertex);
         print_fragment_shader(shader, effects, &fragment);
     } else
         print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
-    if (!program_end(shader->base.call, &vertex, &fragment, &program->name, err))
-        return NULL;
-    find_variables(shader, program);
-    if (effects)
-        set_lights(shader, effects->group, program->name);
-    return program;
+    if (program_end(call, &vertex, &fragment, program, err) && effects)
+        set_lights(shader, effects->group, *program);
+    return *program;
 }

@@ -36,13 +36,8 @@ static size_t count_pixels(const struct plan *plan)
 /* Copies the rest of a line, as a driver's name has blanks and may have anything else. */
 static void copy_rest(const struct text *text, char *out, size_t capacity)
 {
-    const char *at = text->at;
-    size_t length = (size_t)(text->line_end - at);
-    while (length > 0 && (*at == ' ' || *at == '\t')) {
-        at++;
-        length--;
-    }
-    snprintf(out, capacity, "%.*s", (int)(length < capacity ? length : capacity - 1), at);
+    const char *at = text->at + strspn(text->at, " \t");
+    snprintf(out, capacity, "%.*s", (int)(text->line_end - at), at);
     hide_unprintable(out, "");
 }
 
@@ -84,8 +79,7 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
     case DRAWN_ID:
         if (!text_expect(text, &word, "the id of scene.txt", err))
             return false;
-        snprintf(out->id, sizeof out->id, "%.*s", (int)(word.length < 64 ? word.length : 64),
-                 word.start);
+        snprintf(out->id, sizeof out->id, "%.*s", (int)word.length, word.start);
         out->id_place = word.place;
         return text_end(text, "id", err);
     case DRAWN_RENDERER:

@@ -141,11 +141,6 @@ static bool add_passes(struct description *to, struct error *err)
 
 /* ---- scene.txt ---- */
 
-static void print_vector(struct vector v, struct printed *to)
-{
-    print(to, " %.17g %.17g %.17g", v.x, v.y, v.z);
-}
-
 static void print_matrix(const struct matrix *m, struct printed *to)
 {
     for (int i = 0; i < 4; i++)
@@ -161,15 +156,12 @@ static void print_source(const struct plan *plan, int index, struct printed *to)
     const struct light *source = plan->sources[index];
     if (plan->is_idle[index])
         return;
-    print(to, "source %d %s", index, light->directional ? "directional" : "positional");
-    print_vector(light->position, to);
-    print(to, " attenuation %.17g %.17g %.17g", light->attenuation[0], light->attenuation[1],
-          light->attenuation[2]);
-    if (light->spot) {
-        print_text(to, " spot");
-        print_vector(light->axis, to);
-        print(to, " %.17g %.17g", source->spot_cutoff_deg, source->spot_exponent);
-    }
+    print(to, "source %d %s %.17g %.17g %.17g attenuation %.17g %.17g %.17g", index,
+          light->directional ? "directional" : "positional", light->position.x, light->position.y,
+          light->position.z, light->attenuation[0], light->attenuation[1], light->attenuation[2]);
+    if (light->spot)
+        print(to, " spot %.17g %.17g %.17g %.17g %.17g", light->axis.x, light->axis.y,
+              light->axis.z, source->spot_cutoff_deg, source->spot_exponent);
     print_text(to, "\n");
 }
 
