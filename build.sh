@@ -88,7 +88,7 @@ find_sources() {
     without='/no_[a-z]*[.]c$'
     case $GL in
     osmesa) rooms="$rooms raster/gl" all="$all raster/beside/shader" ;;
-    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/(measure|verify)/(command|tables)[.]c" ;;
+    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/(measure|verify)/(command|tables|expect)[.]c" ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
     case $TIER in

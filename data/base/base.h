@@ -235,12 +235,14 @@ bool is_interrupted(void); /* such a signal waits */
 
 /* ---- process.c: a job, or this program again, in a process of its own ---- */
 
+/* A job fills in `out`, of the size that process_run has. */
+typedef bool process_job(void *context, void *out, struct error *err);
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
- * What the job has read counts as read by this process: see file_was_read. No other thread of this
- * process runs now, and it starts no OpenGL: a copy of a process has none of its threads, and
- * OpenGL would wait for them. */
-bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, struct error *err);
+ * limit_s: ends a job that takes more seconds; 0: none is too slow. What the job has read counts as
+ * read by this process: see file_was_read. No other thread of this process runs now, and it starts
+ * no OpenGL: a copy of a process has none of its threads, and OpenGL would wait for them. */
+bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
+                 struct error *err);
 
 /* The seconds of a program from exec to exit: by the clock; and of the processor, for the user and
  * for the system, in all processes of the program. */

@@ -46,6 +46,8 @@ static bool child_end(pid_t child, int end, int *status, struct error *err)
 static bool child_failed(int status, struct error *err)
 {
     const bool killed = WIFSIGNALED(status);
+    if (killed && WTERMSIG(status) == SIGALRM)
+        return error_failed(err, "a run had no result in its time");
     return error_failed(err, "a run ended without a result%s%s", killed ? ": " : "",
                         killed ? strsignal(WTERMSIG(status)) : "");
 }
@@ -101,8 +103,8 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
     return reply.done;
 }
 
-bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, struct error *err)
+bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
+                 struct error *err)
 {
     pid_t child;
     int end, before;
@@ -111,6 +113,8 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
         return false;
     if (child == 0) {
         struct reply reply = {.done = false};
+        signal(SIGALRM, SIG_DFL);
+        alarm(limit_s);
         reply.done = job(context, out, &reply.err);
         _exit(!send(end, &reply, before, out, size));
     }

@@ -36,24 +36,23 @@ static const struct list {
     void (*print)(struct printed *to); /* NULL: the list has the names of built-in files */
     enum file_kind kind;               /* of these files */
 } lists[] = {
-    {"scenes", NULL, NULL, FILE_SCENE},
-    {"materials", NULL, NULL, FILE_MATERIAL},
-    {"illuminants", "lights", NULL, FILE_TABLE},
-    {"detectors", "observers", NULL, FILE_TABLE},
-    {"shapes", NULL, list_shapes, FILE_KINDS},
-    {"models", "meshes", NULL, FILE_MODEL},
-    {"lists", NULL, NULL, FILE_LIST},
-    {"textures", NULL, NULL, FILE_TEXTURE},
-    {"samplings", NULL, list_samplings, FILE_KINDS},
+    {"scenes", NULL, NULL, FILE_SCENE},           {"hard", NULL, NULL, FILE_SCENE},
+    {"materials", NULL, NULL, FILE_MATERIAL},     {"illuminants", "lights", NULL, FILE_TABLE},
+    {"detectors", "observers", NULL, FILE_TABLE}, {"shapes", NULL, list_shapes, FILE_KINDS},
+    {"models", "meshes", NULL, FILE_MODEL},       {"lists", NULL, NULL, FILE_LIST},
+    {"textures", NULL, NULL, FILE_TEXTURE},       {"samplings", NULL, list_samplings, FILE_KINDS},
 };
 enum { N_LISTS = sizeof lists / sizeof lists[0] };
 
-/* Returns whether the list has this file. The tables are illuminants and detectors, and a material
- * may stand for a spectrum. */
+/* Returns whether the list has this file. Scenes in folders are hard cases, or targets. The tables
+ * are illuminants and detectors, and a material may stand for a spectrum. */
 static bool holds(const struct list *list, const struct builtin_file *file, char name[BUILTIN_NAME])
 {
     char material[BUILTIN_NAME];
     return builtin_is(file, list->kind, name) &&
+           (list->kind != FILE_SCENE ||
+            (strcmp(list->name, "hard") == 0 ? strncmp(name, "hard/", 5) == 0
+                                             : !strchr(name, '/'))) &&
            (list->kind != FILE_TABLE ||
             (!builtin_is(file, FILE_MATERIAL, material) &&
              table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
@@ -123,8 +122,9 @@ static bool run_list(struct options *options, struct error *err)
     for (int i = 0; done && i < N_LISTS; i++) {
         const struct list *list = &lists[i];
         suggestion_add(&suggestion, &typed, list->name, strlen(list->name));
-        if (*wanted && strcasecmp(wanted, list->name) != 0 &&
-            !(list->alias && strcasecmp(wanted, list->alias) == 0))
+        const bool named = strcasecmp(wanted, list->name) == 0 ||
+                           (list->alias && strcasecmp(wanted, list->alias) == 0);
+        if (*wanted ? !named : strcmp(list->name, "hard") == 0) /* more than all others */
             continue;
         found = true;
         done = print_list(list, &printed, err);

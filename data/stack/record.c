@@ -256,6 +256,16 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
     return put_light(to, scene, made->sampling, err);
 }
 
+void record_put_beside(struct printed *to, const char *what, const struct scene *scene,
+                       const struct options *options)
+{
+    put_line(to, "program", PROGRAM);
+    put_line(to, what, scene->path);
+    put_line(to, "SHA-256 of the scene", scene->sha256);
+    for (int i = 0; i < options->n_recorded; i++)
+        put_line(to, "option", options->recorded[i]);
+}
+
 void record_put_object(struct printed *to, const char *name)
 {
     put_line(to, "object", name);

@@ -94,6 +94,10 @@ struct recorded {
  * (components: 0). */
 bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err);
 void record_put_object(struct printed *to, const char *name);
+/* Prints whence a file comes that is no stack: the program, the scene of `what` ("maps of"), its
+ * digest, the options. */
+void record_put_beside(struct printed *to, const char *what, const struct scene *scene,
+                       const struct options *options);
 void record_put_part(struct printed *to, const struct part_rows *rows, int height,
                      const double *wavelengths_nm, int n);
 /* Compares the files that a scene names, and that of its detector (NULL: none), with those that are
@@ -119,8 +123,8 @@ struct stack_options {
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
     /* names the pages, which then have no wavelengths; NULL: they have */
     const struct sampling_method *components;
-    const char *const *names; /* of pages that are raw values, no radiances; NULL: there are none */
-    const char *unit;         /* of these values, or of radiances; NULL: RELATIVE_UNIT */
+    const char *names; /* lines, of pages that are raw values; NULL: they are radiances */
+    const char *unit;  /* of these values, or of radiances; NULL: RELATIVE_UNIT */
 };
 /* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
  * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */

@@ -59,11 +59,13 @@ static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE
              value, unit_of(options) ? " " : "", unit_of(options) ? unit_of(options) : "");
 }
 
-/* Writes a name in ASCII, and without what XML would have to escape. */
-static void name_label(const char *name, char out[TEXT_SIZE])
+/* Writes the name in a line, in ASCII, and without what XML would have to escape. */
+static void name_label(const char *name, int line, char out[TEXT_SIZE])
 {
     size_t n = 0;
-    for (; *name && n < TEXT_SIZE / 2; name++)
+    for (; line > 0; line--)
+        name += strcspn(name, "\n") + 1;
+    for (; *name && *name != '\n' && n < TEXT_SIZE / 2; name++)
         if (*name >= ' ' && *name <= '~')
             out[n++] = strchr("<>&\"'", *name) ? '_' : *name;
     out[n] = '\0';
@@ -74,7 +76,7 @@ static void page_label(const struct stack_options *options, int page, char out[T
     if (options->components)
         sampling_label(options->components, page, out);
     else if (options->names)
-        name_label(options->names[page], out);
+        name_label(options->names, page, out);
     else
         snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }

@@ -13,7 +13,7 @@ static const struct {
         const char *folder, *ending;
     } places[2];
 } kinds[] = {
-    [FILE_SCENE] = {"scene", NULL, {{"scenes/", ".scene"}}},
+    [FILE_SCENE] = {"scene", NULL, {{"scenes/", ".scene"}, {"", ".scene"}}}, /* hard/mirror */
     [FILE_MATERIAL] = {"material", "materials", {{"materials/", ".txt"}}},
     [FILE_LIST] = {"list of materials", NULL, {{"materials/", ".list"}}},
     [FILE_TABLE] = {"spectrum", "illuminants", {{"tables/", ".csv"}, {"materials/", ".txt"}}},
@@ -102,7 +102,8 @@ void suggestion_add_files(struct suggestion *suggestion, const char *path)
 
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
 {
-    const char *name = path_name(path);
+    const bool hard = strncmp(path, "hard/", 5) == 0; /* such names have their folder */
+    const char *name = hard ? path : path_name(path);
     const struct word typed = {.start = name, .length = strcspn(name, ".")}; /* without an ending */
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME], otherwise[64] = "built-in are";
@@ -110,11 +111,13 @@ bool file_expected(const char *path, struct place from, enum file_kind kind, str
         return true;
     suggestion_add_files(&suggestion, path);
     for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
-        if (builtin_is(&builtin_files[i], kind, known))
+        if (builtin_is(&builtin_files[i], kind, known) &&
+            (kind != FILE_SCENE || !strchr(known, '/') == !hard))
             suggestion_add(&suggestion, &typed, known, strlen(known));
-    if (kinds[kind].list) {
+    if (kinds[kind].list || hard) {
         suggestion.known[0] = '\0';
-        snprintf(otherwise, sizeof otherwise, "see spectral list %s", kinds[kind].list);
+        snprintf(otherwise, sizeof otherwise, "see spectral list %s",
+                 hard ? "hard" : kinds[kind].list);
     }
     return error_at(err, from, "no file %.500s and no built-in %s of that name; %s", path,
                     kinds[kind].what, suggestion_end(&suggestion, otherwise));

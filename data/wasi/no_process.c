@@ -37,10 +37,11 @@ bool is_interrupted(void)
     return false;
 }
 
-bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, struct error *err)
+bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
+                 struct error *err)
 {
     (void)size;
+    (void)limit_s;
     return job(context, out, err);
 }
 

@@ -10,5 +10,6 @@ const struct command *const commands[] = {&render_command, &plan_command, &info_
                                           &envi_command,   NULL};
 
 const struct shading_judge *const shading_judge = NULL;
-const struct map_maker *const map_maker = NULL;
-const struct option_list accuracy_options = {NULL, 0}, maps_options = {NULL, 0};
+const struct map_maker *const map_makers[] = {NULL};
+const struct option_list accuracy_options = {NULL, 0}, maps_options = {NULL, 0},
+                         bounds_options = {NULL, 0};

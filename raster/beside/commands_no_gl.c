@@ -16,4 +16,4 @@ const struct command *const commands[] = {
     &join_command,   &envi_command,    &export_command, &judge_command,   NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;
-const struct map_maker *const map_maker = &reference_maps;
+const struct map_maker *const map_makers[] = {&reference_maps, &interval_maker, NULL};

@@ -7,6 +7,37 @@
 
 #include "raster/check/inside.h"
 
+struct run settled_run(const struct lit_scene *lit, const struct chunk *chunk, size_t first,
+                       size_t end, struct textured_sample *textured)
+{
+    const int32_t surface = chunk->picture.surface[first];
+    size_t n = 0;
+    while (n < BLOCK && first + n < end && !chunk->is_ambiguous[first + n] &&
+           chunk->picture.surface[first + n] == surface)
+        n++;
+    return (struct run){.shaded = surface < 0 ? NULL : lit->bounds[surface].shaded,
+                        .rows = chunk->rows + first,
+                        .errors = chunk->errors + first,
+                        .own = chunk->own + first,
+                        .stride = chunk_pixels(chunk),
+                        .n = n,
+                        .textured = textured};
+}
+
+struct run candidate_run(const struct lit_scene *lit, const struct chunk *chunk,
+                         const struct candidate *candidate, struct textured_sample *textured)
+{
+    if (!candidate)
+        return (struct run){.n = 1};
+    return (struct run){.shaded = lit->bounds[candidate->surface].shaded,
+                        .rows = chunk->candidate_rows + candidate->first,
+                        .errors = chunk->candidate_errors + candidate->first,
+                        .own = chunk->candidate_own + candidate->first,
+                        .stride = 1,
+                        .n = 1,
+                        .textured = textured};
+}
+
 size_t chunk_pixels(const struct chunk *chunk)
 {
     return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
@@ -85,20 +116,6 @@ static float band_floor(const struct block *block, size_t i)
 
 /* ---- pixels with a single candidate ---- */
 
-/* Returns the run of a stretch of samples that a block begins with. */
-static struct run run_of(const struct check *check, size_t first, struct block *block)
-{
-    const struct chunk *chunk = check->chunk;
-    const int32_t surface = chunk->picture.surface[first];
-    return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
-                        .rows = chunk->rows + first,
-                        .errors = chunk->errors + first,
-                        .own = chunk->own + first,
-                        .stride = chunk_pixels(chunk),
-                        .n = block->n,
-                        .textured = block->textured};
-}
-
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
 static void raise_ratios(float *ratio, const struct block *block)
 {
@@ -136,7 +153,8 @@ static void find_limits(struct check *check)
     const size_t pixel = check->first_failed;
     struct block block;
     block.n = 1;
-    const struct run run = run_of(check, pixel, &block);
+    const struct run run =
+        settled_run(check->scene->lit, check->chunk, pixel, pixel + 1, block.textured);
     for (int band = 0; band < check->verdict.first.band; band++) {
         expect_counts(check->scene->lit, &run, band, block.expected, block.bound);
         if (fit_explain(&check->scene->fit, &run, band, check->estimates + pixel, block.bound,
@@ -145,18 +163,17 @@ static void find_limits(struct check *check)
     }
 }
 
-/* Learns from a stretch of samples, or judges it. */
-static void treat_stretch(struct check *check, size_t first, int band, struct block *block,
-                          bool learns)
+/* Learns from the samples of a run, or judges them. */
+static void treat_run(struct check *check, const struct run *run, size_t first, int band,
+                      struct block *block, bool learns)
 {
     struct check_failure failure;
-    const struct run run = run_of(check, first, block);
     if (learns) {
-        learn(check, &run, band, block, check->estimates + first);
+        learn(check, run, band, block, check->estimates + first);
         return;
     }
     const bool within =
-        compare(check, &run, band, check->estimates + first, &check->verdict.samples, block);
+        compare(check, run, band, check->estimates + first, &check->verdict.samples, block);
     raise_floors(block, check->floor + first, check->band_floor + first);
     if (check->ratio)
         raise_ratios(check->ratio + first, block);
@@ -182,19 +199,14 @@ static void try_hypothesis(struct check *check, size_t number, int band, float s
     const struct candidate *candidate = candidate_of(chunk, number);
     struct hypothesis *hypothesis = &check->hypotheses[number];
     struct block single;
-    struct run run = {.stride = 1, .n = 1, .textured = single.textured};
+    const struct run run = candidate_run(check->scene->lit, chunk, candidate, single.textured);
     float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
     single.seen = &seen;
-    if (candidate) {
-        run.shaded = check->scene->lit->bounds[candidate->surface].shaded;
-        run.rows = chunk->candidate_rows + candidate->first;
-        run.errors = chunk->candidate_errors + candidate->first;
-        run.own = chunk->candidate_own + candidate->first;
+    if (candidate)
         estimates = check->candidate_estimates + number * (size_t)fit_rows(check->scene->lit->plan);
-    }
     if (learns) {
         learn(check, &run, band, &single, estimates);
         return;
@@ -376,17 +388,6 @@ void check_free(struct check *check)
     *check = (struct check){.scene = NULL};
 }
 
-/* Returns how many pixels from `first` on, within the row and a block, show its surface without
- * ambiguity. */
-static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row_end)
-{
-    size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
-    while (at < last && !chunk->is_ambiguous[at] &&
-           chunk->picture.surface[at] == chunk->picture.surface[first])
-        at++;
-    return at - first;
-}
-
 static bool allocate(const struct chunk *chunk, struct check *out, struct error *err)
 {
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
@@ -432,13 +433,15 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
     struct block block;
     for (size_t first = 0; first < chunk_pixels(chunk); first += block.n ? block.n : 1) {
         const float *from = pixels + (first / width * stride + first % width) * 4;
-        block.n = settled_pixels(chunk, first, (first / width + 1) * width);
+        const struct run run = settled_run(check->scene->lit, chunk, first,
+                                           (first / width + 1) * width, block.textured);
+        block.n = run.n;
         for (size_t i = 0; i < block.n; i++)
             for (size_t c = 0; c < BANDS_PER_PASS; c++)
                 seen[c][i] = from[4 * i + c];
         for (int c = 0; c < n_channels && block.n > 0; c++) {
             block.seen = seen[c];
-            treat_stretch(check, first, first_band + c, &block, learns);
+            treat_run(check, &run, first, first_band + c, &block, learns);
         }
     }
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {

@@ -121,8 +121,6 @@ struct check_verdict {
     double most_unchecked;       /* of struct verdict_limits */
 };
 
-void verdict_add(struct check_verdict *to, const struct check_verdict *from);
-
 /* ---- outcome.c: the verdict on the picture ---- */
 
 /* The most that a picture that agrees may leave unchecked. */
@@ -183,6 +181,14 @@ struct check {
     float *estimates;           /* [row][pixel]: see fit_rows */
     float *candidate_estimates; /* [candidate][row] */
 };
+size_t chunk_pixels(const struct chunk *chunk);
+/* Returns the run of pixels from `first` on, below `end` and within a block, that show its surface
+ * without ambiguity, none if it is ambiguous; or that of a candidate; NULL: of the background.
+ * `textured` has room for a block. */
+struct run settled_run(const struct lit_scene *lit, const struct chunk *chunk, size_t first,
+                       size_t end, struct textured_sample *textured);
+struct run candidate_run(const struct lit_scene *lit, const struct chunk *chunk,
+                         const struct candidate *candidate, struct textured_sample *textured);
 /* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err);

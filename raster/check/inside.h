@@ -77,7 +77,6 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 
 void samples_add(struct check_samples *to, const struct check_samples *from);
 extern const struct check_verdict empty_verdict; /* of no pixel */
-
-size_t chunk_pixels(const struct chunk *chunk);
+void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 #endif

@@ -301,6 +301,10 @@ bool contexts_describe(const struct plan_options *wish, struct context_descripti
         copy_text(call, GL_VENDOR, out->vendor);
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
         call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
+        call->GetIntegerv(GL_SUBPIXEL_BITS, &out->subpixel_bits);
+        call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
+        if (out->depth_bits == 0) /* a core profile does not say what a canvas has asked for */
+            out->depth_bits = 24;
     }
     contexts_close(contexts);
     return done;

@@ -104,6 +104,9 @@ static bool print_report(const struct rendered *of, struct printed *to, struct e
         print(to, "stack             %s\n", of->stored);
     if (own->maps)
         print(to, "maps              %s\n", own->maps);
+    if (own->bounds)
+        print(to, "legal counts      %s, for %s: nothing bounds %llu pixels\n", own->bounds,
+              of->result.bounds_for, (unsigned long long)of->result.open_pixels);
     return !of->stored || print_header(of->stored, to, err);
 }
 
@@ -144,15 +147,24 @@ static bool conclude(const struct rendered *of, struct error *err)
 
 /* ---- plan, render, report ---- */
 
+static bool check_maps(const struct options *options, const struct scene *scene, struct error *err)
+{
+    for (int i = 0; map_makers[i]; i++)
+        if (!map_makers[i]->check(options, scene, err))
+            return false;
+    return true;
+}
+
 static bool render_job(const struct render_job *job, struct rendered *of, struct error *err)
 {
     const struct render_output *output = of->output;
-    const struct render_options *own = of->options->own;
     struct progress_line line;
     const bool shown = progress_start(&line, of->options->quiet);
-    if (!render(of->plan, output, shown ? &line : NULL, &of->result, err) ||
-        (own->maps && !map_maker->write(of->options, job, output->outputs, err)))
+    if (!render(of->plan, output, shown ? &line : NULL, &of->result, err))
         return false;
+    for (int i = 0; map_makers[i]; i++)
+        if (!map_makers[i]->write(of->options, job, &of->result, output->outputs, err))
+            return false;
     of->result.seconds.read += job->seconds.read;
     of->result.seconds.plan = job->seconds.plan;
     of->result.seconds.total += job->seconds.read + job->seconds.plan;
@@ -175,13 +187,13 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct rendered rendered = {
         .options = options, .plan = &job.plan, .output = &complete, .made = made};
     const bool done = check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
+                      check_stack_name(own->bounds, err) &&
                       (!output->check_map || picture_accepts(output->check_map, err)) &&
                       check_again(own, output, err) &&
                       job_read(options, output->foreign, &job, err) &&
                       check_same_scene(options, &job.scene, output->again, made, err) &&
                       job_plan(options, &job, err) && options_check_outputs(options, err) &&
-                      (!map_maker || map_maker->check(options, &job.scene, err)) &&
-                      render_job(&job, &rendered, err);
+                      check_maps(options, &job.scene, err) && render_job(&job, &rendered, err);
     job_free(&job);
     return done;
 }
@@ -232,9 +244,11 @@ static bool run_render(struct options *options, struct error *err)
     char ending[48] = ".tif";
     if (own->again)
         return render_again(options, err);
-    if (own->part && (own->check_map || own->maps))
+    if (own->part && (own->check_map || own->maps || own->bounds))
         return error_usage(err, "--part takes no %s, which shows the whole picture",
-                           own->maps ? "--maps" : "--check-map");
+                           own->maps     ? "--maps"
+                           : own->bounds ? "--bounds"
+                                         : "--check-map");
     if (own->part && !part_read(own->part, &part, err))
         return false;
     if (own->part) /* each has a name of its own where the command line gives none */
@@ -318,7 +332,8 @@ const struct command render_command = {
     .rows = OPTION_LIST(render_rows),
     .shared = {&scene_options, &shading_options, &accuracy_options, &sampling_options,
                &renderer_options, &library_option, &judged_options, &map_option, &maps_options,
-               &scale_option, &threads_option, &json_option, &verbose_option, &quiet_option},
+               &bounds_options, &scale_option, &threads_option, &json_option, &verbose_option,
+               &quiet_option},
     .own_size = sizeof(struct render_options),
     .n_operands = 1,
 };

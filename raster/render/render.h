@@ -81,6 +81,8 @@ struct render_result {
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
     struct part_rows rows;              /* that the stack has; count 0: all */
+    const char *bounds_for;             /* the driver whose bounds were written; NULL: none were */
+    uint64_t open_pixels;               /* that nothing bounds there, in some band */
     struct part_seconds seconds;
 };
 /* Pixels that another program has drawn. */
@@ -135,15 +137,17 @@ bool job_read(const struct options *options, bool foreign, struct render_job *jo
 bool job_plan(const struct options *options, struct render_job *job, struct error *err);
 void job_free(struct render_job *job);
 
-/* Maps of a picture, beside its stack: see raster/beside/see/maps.c. */
+/* Makes a file beside a stack, by the reference: raster/beside/see/maps.c, and
+ * raster/beside/verify/interval.c. */
 struct map_maker {
     /* Refuses options that do not go together, or not with the scene. */
     bool (*check)(const struct options *options, const struct scene *scene, struct error *err);
-    /* Draws the scene of a job, and writes the maps that the options ask for. */
+    /* Draws the scene of a job, and writes the file that the options ask for, if they do. Reads
+     * the driver of a render, and adds to its result. */
     bool (*write)(const struct options *options, const struct render_job *job,
-                  struct outputs *outputs, struct error *err);
+                  struct render_result *result, struct outputs *outputs, struct error *err);
 };
-extern const struct map_maker *const map_maker; /* NULL: this program has none */
+extern const struct map_maker *const map_makers[]; /* of this program; NULL comes last */
 
 /* ---- verdict_words.c: the verdict in words ---- */
 
@@ -159,15 +163,16 @@ bool report_disagreement(const struct plan *plan, const struct check_verdict *ve
 extern const struct command render_command;
 /* The own options of render; of commands that render, too, they are the first member of theirs. */
 struct render_options {
-    const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part, *maps;
+    const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part, *maps,
+        *bounds, *bounds_for;
     double full_scale;
     bool trust, no_check, strict, keep;
 };
 /* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
 extern const struct option_list renderer_options, library_option, judged_options, map_option,
     scale_option, verbose_option;
-/* Options of the judge of shading, and of the maker of maps; empty without them. */
-extern const struct option_list accuracy_options, maps_options;
+/* Options of the judge of shading, and of the makers of maps; empty without them. */
+extern const struct option_list accuracy_options, maps_options, bounds_options;
 /* Reads, plans and renders the scene of the options, and reports the result. The own options begin
  * with struct render_options. made: the record of the stack that is made again; NULL: the stack is
  * new. */

@@ -102,6 +102,7 @@ struct context_description {
     struct renderer_names names;
     char vendor[128];
     int largest_viewport[2], largest_texture; /* pixels, texels, a side */
+    int subpixel_bits, depth_bits;
 };
 struct renderer_work {
     long passes, draw_calls;

@@ -26,6 +26,9 @@ all_stacks() {
     for sampling in box:7 gauss:9 gauss:64,open gauss:8,lms adaptive:0.003 basis:5 rgb xyz; do
         echo "fluorescence-$sampling.tif fluorescence --size=$1 --depth=32f --light=1=fluorescent --sampling=$sampling"
     done
+    for scene in room spheres textures; do # bounds of any driver, without OpenGL
+        echo "$scene-bounds.tif $scene --size=$1 --bounds-for=any"
+    done
     echo "metals-phong.tif metals --size=$1 --depth=8 --shading=phong --tessellation=1.5"
 }
 
@@ -35,7 +38,8 @@ hashes() {
     threads=$2
     shift 2
     stacks "$size" | while read -r stack scene options; do
-        "$@" render "$scene" $options --renderer raster $check --threads "$threads" --quiet -o "$tmp/$stack" &&
+        case $stack in *-bounds.tif) options="$options --bounds $tmp/$stack -o /dev/null" ;; *) options="$options -o $tmp/$stack" ;; esac
+        "$@" render "$scene" $options --renderer raster $check --threads "$threads" --quiet &&
             (cd "$tmp" && sha256sum "$stack")
         rm -f "$tmp/$stack"
     done

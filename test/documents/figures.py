@@ -64,7 +64,8 @@ SOURCES = {
         ("as long as they are at most 25 times as many", constant("data/stack/stack.h", r"EDGE_SHARES = (\d+)")),
         ("at 300 x 200 pixels and 31 wavelengths", "test/raster/beside/verify/verify.py"), (f"{HARD} small scenes", HARD),
         ("at half and at 99.9 %", "test/raster/beside/verify/verify.py"), ("within 1, 8 and 256 counts", 256),
-        ("at most 200 lines of C", "test/program/reduced.py"), ("up to 16 times as far off", "test/raster/beside/measure/traits.py")],
+        ("at most 200 lines of C", "test/program/reduced.py"), ("1 count wide", "test/raster/beside/verify/bounds.py"),
+        ("up to 16 times as far off", "test/raster/beside/measure/traits.py")],
 }
 
 

@@ -369,7 +369,7 @@ static bool find_opengl(const struct options *options, bool *out, struct error *
 {
     const struct render_options *render = options->own;
     *out = gl_is_built();
-    return !*out || render->gl || process_run(try_opengl, NULL, out, sizeof *out, err);
+    return !*out || render->gl || process_run(try_opengl, NULL, out, sizeof *out, 0, err);
 }
 
 /* Refuses a detector that is no observer. Plans the scene, which reads its files: no output may

@@ -7,6 +7,9 @@
 #include "raster/beside/measure/inside.h"
 #include "raster/gl/gl.h"
 
+/* A driver that takes longer to start, or to draw the targets, hangs: those here take a second. */
+enum { START_SECONDS = 30 };
+
 /* The options of a plan that choose the library and the driver. */
 static struct plan_options choice_of(const struct listed_driver *listed)
 {
@@ -28,11 +31,10 @@ static bool count_devices(void *context, void *out, struct error *err)
 }
 
 /* Uses a driver in a process of its own. One that fails there is not usable, and has the reason. */
-static bool try_alone(bool (*job)(void *context, void *out, struct error *err),
-                      struct listed_driver *driver, void *out, size_t size)
+static bool try_alone(process_job *job, struct listed_driver *driver, void *out, size_t size)
 {
     struct error own = {.status = EXIT_AGREED};
-    driver->usable = process_run(job, driver, out, size, &own);
+    driver->usable = process_run(job, driver, out, size, START_SECONDS, &own);
     snprintf(driver->reason, sizeof driver->reason, "%.500s", error_words(&own));
     return driver->usable;
 }
@@ -78,7 +80,8 @@ bool drivers_list(struct driver_list *to, struct error *err)
     char library[16];
     int n_devices = 0;
     bool done = try_library("osmesa", to, err) && try_library("egl", to, err);
-    if (done && !process_run(count_devices, NULL, &n_devices, sizeof n_devices, &own))
+    if (done &&
+        !process_run(count_devices, NULL, &n_devices, sizeof n_devices, START_SECONDS, &own))
         n_devices = 0;
     for (int i = 0; i < n_devices && done; i++) {
         snprintf(library, sizeof library, "egl:%d", i);
@@ -101,33 +104,28 @@ const char *driver_profile(const struct listed_driver *driver)
 
 /* ---- the command ---- */
 
-struct drivers_options {
-    bool measure;
-};
-
 static bool measure(void *context, void *out, struct error *err)
 {
     const struct plan_options choice = choice_of(context);
     return driver_measure(&choice, out, err);
 }
 
-/* Measures a driver, and puts its bounds, or why there are none. verbose: as a table, too. */
-static void put_bounds(struct listed_driver *driver, bool verbose, struct json *json)
+/* Puts the bounds that were measured, or why there are none; in words as a table, too. */
+static void put_bounds(const struct listed_driver *driver, const struct driver *profile,
+                       struct json *json)
 {
-    struct driver profile;
     char words[DRIVER_WORDS];
-    const bool bounded = try_alone(measure, driver, &profile, sizeof profile);
-    if (bounded)
-        driver_print(&profile, words);
+    if (profile)
+        driver_print(profile, words);
     if (json->words)
         print(&json->printed, "  bounds          %s%s\n",
-              bounded ? "" : "none: ", bounded ? words : driver->reason);
+              profile ? "" : "none: ", profile ? words : driver->reason);
     else
-        json_string(json, "cannot_be_checked", bounded ? NULL : driver->reason);
-    if (bounded && !json->words)
-        traits_json(&profile, json);
-    else if (bounded && verbose)
-        traits_print(&profile, &json->printed);
+        json_string(json, "cannot_be_checked", profile ? NULL : driver->reason);
+    if (profile && !json->words)
+        traits_json(profile, json);
+    else if (profile)
+        traits_print(profile, &json->printed);
 }
 
 /* Puts the options, and what they choose. */
@@ -153,12 +151,29 @@ static void put_driver(const struct listed_driver *driver, struct json *json)
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
+        json_count(json, "subpixel_bits", (uint64_t)is->subpixel_bits);
+        json_count(json, "depth_bits", (uint64_t)is->depth_bits);
     }
+}
+
+static void print_driver(const struct listed_driver *driver, bool bounded, struct printed *to)
+{
+    const struct context_description *is = &driver->is;
+    char options[64];
+    driver_options(driver, options);
+    print(to, "%-42s", options);
+    if (driver->usable)
+        print(to, "%s, %s, %d subpixel and %d depth bits, ", is->names.renderer, is->names.version,
+              is->subpixel_bits, is->depth_bits);
+    print(to, "%s%s\n",
+          bounded          ? "can be checked"
+          : driver->usable ? "cannot be checked: "
+                           : "cannot draw: ",
+          bounded ? "" : driver->reason);
 }
 
 static bool run_drivers(struct options *options, struct error *err)
 {
-    const struct drivers_options *own = options->own;
     struct driver_list drivers = {.n = 0};
     struct json json;
     bool usable = false, done = drivers_list(&drivers, err);
@@ -167,10 +182,18 @@ static bool run_drivers(struct options *options, struct error *err)
         json_open(&json, "drivers", '[');
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
+        const bool listed = driver->usable;
+        struct driver profile;
+        const bool bounded = listed && try_alone(measure, driver, &profile, sizeof profile);
+        driver->usable = listed;
+        usable = usable || listed;
+        if (json.words && !options->verbose) {
+            print_driver(driver, bounded, &json.printed);
+            continue;
+        }
         put_driver(driver, &json);
-        usable = usable || driver->usable;
-        if (own->measure && driver->usable)
-            put_bounds(driver, options->verbose, &json);
+        if (listed)
+            put_bounds(driver, bounded ? &profile : NULL, &json);
         json_close(&json, '}');
     }
     json_close(&json, ']');
@@ -180,18 +203,15 @@ static bool run_drivers(struct options *options, struct error *err)
 }
 
 static const struct option drivers_rows[] = {
-    {"--measure", "measures how far each one goes where OpenGL leaves it free",
-     OWN(FLAG, drivers_options, measure)},
-    {"-v, --verbose", "prints each trait, and what OpenGL allows, too", SHARED(FLAG, verbose),
-     .needs = "--measure"},
+    {"-v, --verbose", "prints all figures: what was measured beside what OpenGL allows",
+     SHARED(FLAG, verbose)},
 };
 const struct command drivers_command = {
     .name = "drivers",
-    .operands = "[--measure [-v]] [--json FILE]",
+    .operands = "[-v] [--json FILE]",
     .summary = "list what OpenGL can draw here, by which options",
     .example = "drivers",
     .run = run_drivers,
     .rows = OPTION_LIST(drivers_rows),
     .shared = {&json_option},
-    .own_size = sizeof(struct drivers_options),
 };

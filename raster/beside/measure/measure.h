@@ -25,7 +25,7 @@ bool driver_measure(const struct plan_options *by, struct driver *out, struct er
 
 /* ---- command.c: spectral drivers ---- */
 
-/* Prints each library and driver that can be used, and each library that cannot; with --measure how
+/* Prints each library and driver that can be used, and each library that cannot; with -v how
  * it draws. Fails with EXIT_SYSTEM if none can. */
 extern const struct command drivers_command;
 

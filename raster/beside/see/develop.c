@@ -232,25 +232,28 @@ const char *raw_unit(const struct development *of)
 static bool open_raw(const struct development *of, const char *path, struct stack_writer *out,
                      struct error *err)
 {
-    struct printed made = {.text = NULL};
+    struct printed made = {.text = NULL}, channels = {.text = NULL};
+    for (int i = 0; i < of->sight.detector.n; i++)
+        print(&channels, "%s\n", of->sight.detector.channel[i]);
     print(&made, "program: " PROGRAM "\nraw values of: ");
     print_printable(&made, of->cube.image.path);
     print_text(&made, "\ndetector: ");
     print_printable(&made, of->sight.detector.name);
     print(&made, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
           raw_unit(of));
-    char *text = printed_take(&made, err);
+    char *text = printed_take(&made, err), *names = printed_take(&channels, err);
     const struct stack_options options = {.width = of->cube.image.width,
                                           .height = of->cube.image.height,
                                           .n_wavelengths = of->sight.detector.n,
-                                          .names = (const char *const *)of->sight.detector.channel,
+                                          .names = names,
                                           .unit = raw_unit(of),
                                           .full_scale = of->full_scale,
                                           .bits = of->bits,
                                           .scene = of->cube.image.path,
                                           .provenance = text};
-    const bool done = text && stack_open(out, path, &options, err);
+    const bool done = text && names && stack_open(out, path, &options, err);
     free(text);
+    free(names);
     return done;
 }
 

@@ -6,7 +6,7 @@
  * its maps. */
 #include "raster/beside/see/inside.h"
 
-enum { MAP_NAME = BAND_NAME + 32, BLOCK_PIXELS = 1 << 10 };
+enum { KEY = 64, BLOCK_PIXELS = 1 << 10 };
 
 /* The pages behind the weights. Lengths are those of the scene. */
 enum { DEPTH, EYE, WORLD = EYE + 3, NORMAL = WORLD + 3, S = NORMAL + 3, T, OBJECT, TRIANGLE };
@@ -18,9 +18,7 @@ enum { MAP_MATERIAL = TRIANGLE + 1, PLACES };
 struct maps {
     struct render_job job; /* its plan; scene and sampling are those of the render */
     struct lit_scene lit;
-    char (*names)[MAP_NAME];            /* of the pages; owned */
-    const char **labels;                /* the same; owned */
-    int n_pages, n_weights, n_textures; /* places come after weights */
+    int n_weights, n_textures; /* pages; those of places come after weights */
     struct stack_writer writer;
     float *values;                 /* of a chunk: the places; owned */
     const struct picture *picture; /* the chunk at hand */
@@ -28,30 +26,23 @@ struct maps {
 
 /* ---- the pages ---- */
 
-/* Counts the pages, and names them. */
-static bool name_pages(struct maps *of, struct error *err)
+/* Returns the names of the pages in lines, allocated; NULL on failure. */
+static char *name_pages(const struct maps *of, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
-    of->n_textures = texture_pages(plan, false);
-    of->n_weights = weight_pages(plan);
-    of->n_pages = of->n_weights + PLACES + of->n_textures;
-    if (!MAKE_ARRAY(of->names, of->n_pages, err, "the names of maps") ||
-        !MAKE_ARRAY(of->labels, of->n_pages, err, "the names of maps"))
-        return false;
-    char(*name)[MAP_NAME] = of->names, band[BAND_NAME];
-    snprintf(*name++, MAP_NAME, "constant");
+    struct printed names = {.text = NULL};
+    char band[BAND_NAME];
+    print_text(&names, "constant\n");
     for (int i = 0; i < 2 * plan->n_lights; i++)
-        snprintf(*name++, MAP_NAME, "light %d %s", 1 + i / 2, i % 2 ? "specular" : "diffuse");
+        print(&names, "light %d %s\n", 1 + i / 2, i % 2 ? "specular" : "diffuse");
     for (int i = 0; i < PLACES; i++)
-        snprintf(*name++, MAP_NAME, "%s", place_names[i]);
+        print(&names, "%s\n", place_names[i]);
     for (int i = 0; i < of->n_textures; i++) {
         const bool alone = of->n_textures == 1;
         band_name(plan, i, band);
-        snprintf(*name++, MAP_NAME, "texture%s%s", alone ? "" : " ", alone ? "" : band);
+        print(&names, "texture%s%s\n", alone ? "" : " ", alone ? "" : band);
     }
-    for (int i = 0; i < of->n_pages; i++)
-        of->labels[i] = of->names[i];
-    return true;
+    return printed_take(&names, err);
 }
 
 /* ---- the point of a pixel ---- */
@@ -174,7 +165,7 @@ static void put_terms(const struct plan *plan, const char *whose, const struct m
                       struct printed *to)
 {
     static const char *const kinds[] = {[TERM_DIFFUSE] = "diffuse", [TERM_SPECULAR] = "specular"};
-    char key[MAP_NAME];
+    char key[KEY];
     for (int t = 0; t < made->n; t++) {
         const struct spectral_term *term = &made->terms[t];
         if (term->kind == TERM_CONSTANT)
@@ -195,14 +186,7 @@ static char *make_record(const struct maps *of, const struct options *options, s
     struct material_terms diffuser = {.n = 0};
     struct printed lines = {.text = NULL};
     char whose[32];
-    print_text(&lines, "program: " PROGRAM "\nmaps of: ");
-    print_printable(&lines, plan->scene->path);
-    print(&lines, "\nSHA-256 of the scene: %s\n", plan->scene->sha256);
-    for (int i = 0; i < options->n_recorded; i++) {
-        print_text(&lines, "option: ");
-        print_printable(&lines, options->recorded[i]);
-        print_text(&lines, "\n");
-    }
+    record_put_beside(&lines, "maps of", plan->scene, options);
     for (int i = 0; i < plan->n_instances; i++)
         record_put_object(&lines, object_name(plan, i));
     if (!has_components(plan))
@@ -226,18 +210,22 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
     const struct render_options *own = options->own;
     const struct decomposition decomposition = {.take = take_page, .context = of};
     const size_t chunk = (size_t)plan->tile_width * (size_t)CHUNK_ROWS;
-    char *record = make_record(of, options, err);
+    of->n_textures = texture_pages(plan, false);
+    of->n_weights = weight_pages(plan);
+    char *record = make_record(of, options, err), *names = name_pages(of, err);
     const struct stack_options layout = {.width = plan->scene->width,
                                          .height = plan->scene->height,
-                                         .n_wavelengths = of->n_pages,
-                                         .names = of->labels,
+                                         .n_wavelengths = of->n_weights + PLACES + of->n_textures,
+                                         .names = names,
                                          .full_scale = 1,
                                          .bits = 32,
                                          .scene = plan->scene->path,
                                          .provenance = record};
-    bool done = record && MAKE_ARRAY(of->values, PLACES * chunk, err, "the rows of maps") &&
+    bool done = record && names &&
+                MAKE_ARRAY(of->values, PLACES * chunk, err, "the rows of maps") &&
                 stack_open(&of->writer, own->maps, &layout, err);
     free(record);
+    free(names);
     if (!done)
         return false;
     done = decompose(&of->lit, &decomposition, err) &&
@@ -248,8 +236,12 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
 }
 
 static bool maps_write(const struct options *options, const struct render_job *job,
-                       struct outputs *outputs, struct error *err)
+                       struct render_result *result, struct outputs *outputs, struct error *err)
 {
+    const struct render_options *own = options->own;
+    (void)result;
+    if (!own->maps)
+        return true;
     struct maps of = {.job = {.scene = job->scene, .sampling = job->sampling}};
     of.job.options = (struct plan_options){.exchangeable = true,
                                            .untextured = true,
@@ -257,11 +249,11 @@ static bool maps_write(const struct options *options, const struct render_job *j
                                            .threads = options->threads};
     const bool done = job_plan(options, &of.job, err) &&
                       lit_make(&of.job.plan, driver_of(NULL), &of.lit, err) &&
-                      name_pages(&of, err) && write_file(&of, options, outputs, err);
+                      write_file(&of, options, outputs, err);
     lit_free(&of.lit);
     notes_free(&of.job.notes);
     plan_free(&of.job.plan);
-    FREE_ALL(of.names, of.labels, of.values);
+    free(of.values);
     return done;
 }
 

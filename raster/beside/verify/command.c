@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
  * them, and the report. */
+#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "raster/beside/verify/inside.h"
 
 struct verify_options {
     struct render_options render; /* the first member */
-    const char *junit;
+    const char *junit, *expect;
+    double limit;
+    bool list;
 };
 
 /* ---- drivers ---- */
@@ -46,22 +50,17 @@ static bool add_scene(struct verification *to, const struct verify_scene *scene,
     return false;
 }
 
-/* Adds the built-in scenes that a word names, and then the hard cases: by their names, or all of
- * them by "hard"; NULL: names all. */
-static bool add_builtin(struct verification *to, const char *word, struct error *err)
+/* Adds the built-in scenes that a pattern of a shell names, and then the hard cases; "hard" names
+ * all of these. */
+static bool add_builtin(struct verification *to, const char *pattern, struct error *err)
 {
-    char name[BUILTIN_NAME], path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
     for (size_t i = 0; i < 2 * builtin_file_count; i++) {
-        const bool hard = i >= builtin_file_count;
-        const struct builtin_file *file = &builtin_files[i % builtin_file_count];
-        struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
-        if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name))
-            continue;
-        snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6,
-                 name);
-        snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
-        if ((!word || strcmp(word, scene.name) == 0 || (hard && strcmp(word, "hard") == 0)) &&
-            !add_scene(to, &scene, hard ? path : name, err))
+        struct verify_scene scene = {.is_hard = i >= builtin_file_count};
+        if (builtin_is(&builtin_files[i % builtin_file_count], FILE_SCENE, scene.name) &&
+            (scene.is_hard ? strncmp(scene.name, "hard/", 5) == 0 : !strchr(scene.name, '/')) &&
+            (fnmatch(pattern, scene.name, 0) == 0 ||
+             (scene.is_hard && strcmp(pattern, "hard") == 0)) &&
+            !add_scene(to, &scene, scene.name, err))
             return false;
     }
     return true;
@@ -72,30 +71,58 @@ static bool add_named(struct verification *to, const char *word, struct error *e
 {
     const int before = to->n_scenes;
     const size_t length = strlen(word);
-    struct verify_scene scene = {.is_hard = false};
+    struct verify_scene scene = {.is_file = true};
     if (!add_builtin(to, word, err))
         return false;
     if (to->n_scenes > before)
         return true;
+    if (!file_expected(word, NOWHERE, FILE_SCENE, err))
+        return false;
     snprintf(scene.name, sizeof scene.name, "%s",
              length < sizeof scene.name ? word : word + length - sizeof scene.name + 1);
     return add_scene(to, &scene, word, err);
 }
 
-/* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
- * what a failure left. */
+/* Finds the scenes that the options name; without any, all. verification_free accepts what a
+ * failure left. */
+static bool find_scenes(const struct options *options, struct verification *out, struct error *err)
+{
+    bool done = options->n_operands > 0 || add_builtin(out, "*", err);
+    for (int i = 0; i < options->n_operands && done; i++)
+        done = add_named(out, options->operands[i], err);
+    return done;
+}
+
+/* Names the model, where Linux does, as on x86; "": it does not. */
+static void name_processor(char *out, size_t capacity)
+{
+    struct error err = {.status = EXIT_AGREED};
+    char *text = file_read("/proc/cpuinfo", NOWHERE, &err);
+    const char *line = text ? strstr(text, "model name") : NULL,
+               *name = line ? strchr(line, ':') : NULL;
+    snprintf(out, capacity, "%.*s", name ? (int)strcspn(name + 2, "\n") : 0, name ? name + 2 : "");
+    free(text);
+}
+
+/* Finds the drivers, and what an earlier report says of them. */
 static bool verification_open(const struct options *options, struct verification *out,
                               struct error *err)
 {
-    const int n_named = options->n_operands;
-    *out = (struct verification){.n_drivers = 0};
-    for (int i = 0; i < n_named; i++)
-        if (!add_named(out, options->operands[i], err))
-            return false;
-    if ((n_named == 0 && !add_builtin(out, NULL, err)) || !find_drivers(options, out, err))
+    const struct verify_options *own = options->own;
+    if (!find_drivers(options, out, err))
         return false;
+    name_processor(out->processor, sizeof out->processor);
     const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
-    return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
+    return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n) &&
+           (!own->expect || expect_read(own->expect, out, err));
+}
+
+static bool print_scenes(const struct verification *of, struct error *err)
+{
+    struct printed names = {.text = NULL};
+    for (int i = 0; i < of->n_scenes; i++)
+        print(&names, "%s\n", of->scenes[i].name);
+    return printed_show(&names, STDOUT_FILENO, err);
 }
 
 static void verification_free(struct verification *of)
@@ -106,9 +133,22 @@ static void verification_free(struct verification *of)
     *of = (struct verification){.n_drivers = 0};
 }
 
-const struct verify_result *result_of(const struct verification *of, int driver, int scene)
+struct verify_result *result_of(const struct verification *of, int driver, int scene)
 {
-    return &of->results[(size_t)driver * (size_t)of->n_scenes + (size_t)scene];
+    return &of->results[driver * of->n_scenes + scene];
+}
+
+/* An outcome's place, from the best to the worst. */
+static int badness(int outcome)
+{
+    static const int places[VERIFY_OUTCOMES] = {
+        [VERIFY_NOT_VERIFIED] = 1, [VERIFY_DIFFERS] = 2, [VERIFY_FAILED] = 3};
+    return places[outcome];
+}
+
+int change_of(const struct verify_result *result)
+{
+    return badness(result->expected) - badness(result->outcome);
 }
 
 struct totals totals_of(const struct verify_result *results, int n)
@@ -116,6 +156,7 @@ struct totals totals_of(const struct verify_result *results, int n)
     struct totals totals = {.seconds = 0};
     for (int i = 0; i < n; i++) {
         totals.n[results[i].outcome]++;
+        totals.worse += change_of(&results[i]) < 0;
         totals.seconds += results[i].seconds;
     }
     return totals;
@@ -156,6 +197,16 @@ static void put_first(struct options *options, struct option_change change)
     options->n_changes++;
 }
 
+/* A hard case keeps its size: a picture of another one may lack what makes it hard. */
+static void keep_size(struct options *options)
+{
+    int n = 0;
+    for (int i = 0; i < options->n_changes; i++)
+        if (options->changes[i].apply != scene_set_size)
+            options->changes[n++] = options->changes[i];
+    options->n_changes = n;
+}
+
 static bool judge(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
@@ -171,7 +222,9 @@ static bool judge(void *context, void *out, struct error *err)
     options.own = &own;
     options.operand = options.operands[0] = task->scene->path;
     options.n_operands = 1;
-    if (task->scene->is_large) {
+    if (task->scene->is_hard)
+        keep_size(&options);
+    else if (!task->scene->is_file) {
         put_first(&options, (struct option_change){scene_set_size, usual_size});
         put_first(&options, (struct option_change){scene_set_wavelengths, usual_wavelengths});
     }
@@ -184,75 +237,78 @@ static bool judge(void *context, void *out, struct error *err)
     return done;
 }
 
-/* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
- * interrupted, or the scene is wrong: every other failure is a result. */
+/* Draws and judges a scene in a process of its own, which a driver may end. Fails where the scene
+ * is wrong: every other failure is a result. */
 static bool verify_run(struct task *task, struct verify_result *out, struct error *err)
 {
-    struct error own = {.status = EXIT_AGREED};
-    if (process_run(judge, task, out, sizeof *out, &own))
-        return true;
-    if (own.status == EXIT_INPUT) {
-        *err = own;
-        return false;
-    }
-    *out = (struct verify_result){.outcome = VERIFY_FAILED};
-    snprintf(out->text, sizeof out->text, "%.1000s", error_words(&own));
-    return true;
-}
-
-/* ---- the runs ---- */
-
-/* The options are those of the command. */
-static bool run_all(const struct options *options, struct verification *of, struct error *err)
-{
-    struct progress_line line;
-    const bool shown = progress_start(&line, options->quiet);
+    const struct verify_options *own = task->options->own;
     const double start = clock_seconds();
-    const int n = of->n_drivers * of->n_scenes;
-    for (int i = 0; i < n; i++) {
-        struct verify_result *result = &of->results[i];
-        struct task task = {options, &of->drivers[i / of->n_scenes], &of->scenes[i % of->n_scenes]};
-        if (!verify_run(&task, result, err))
-            return false;
-        if (shown)
-            progress_show(&line, i + 1, n);
+    const int expected = out->expected;
+    struct error failure = {.status = EXIT_AGREED};
+    bool done = false;
+    if (task->driver->usable)
+        done = process_run(judge, task, out, sizeof *out, (unsigned)own->limit, &failure);
+    if (!done) {
+        *out = (struct verify_result){.outcome = VERIFY_FAILED, .seconds = clock_seconds() - start};
+        snprintf(out->text, sizeof out->text, "%.1000s",
+                 task->driver->usable ? error_words(&failure) : task->driver->reason);
     }
-    of->seconds = clock_seconds() - start;
-    return true;
+    out->expected = expected;
+    if (failure.status == EXIT_INPUT)
+        *err = failure;
+    return failure.status != EXIT_INPUT;
 }
 
-/* ---- the report ---- */
+/* ---- the runs, and the report ---- */
 
-/* A driver that draws some scenes and fails at others differs from what it should do. */
-static bool conclude(const struct verification *of, struct error *err)
+/* Shows lines as soon as they are known; quiet: drops them. */
+static bool show(const struct options *options, struct printed *lines, struct error *err)
+{
+    const struct verify_options *own = options->own;
+    struct printed known = *lines;
+    *lines = (struct printed){.text = NULL};
+    if (options->quiet)
+        free(printed_end(&known));
+    return options->quiet || printed_show(&known, options_table(options, own->junit), err);
+}
+
+static bool run_driver(const struct options *options, struct verification *of, int driver,
+                       struct error *err)
+{
+    struct printed lines = {.text = NULL};
+    bool done = true;
+    print_driver(of, driver, &lines);
+    for (int i = 0; i < of->n_scenes && done; i++) {
+        struct task task = {options, &of->drivers[driver], &of->scenes[i]};
+        done = show(options, &lines, err) && verify_run(&task, result_of(of, driver, i), err);
+        if (done)
+            print_result(of, driver, i, &lines);
+    }
+    print_sum(of, driver, &lines);
+    return done && show(options, &lines, err);
+}
+
+/* Fails where a picture does not agree, or is worse than an earlier report has it. */
+static bool conclude(const struct verification *of, const char *expect, struct error *err)
 {
     const int n = of->n_drivers * of->n_scenes;
     const struct totals totals = totals_of(of->results, n);
-    const int failed = totals.n[VERIFY_FAILED],
-              different = totals.n[VERIFY_DIFFERS] + totals.n[VERIFY_NOT_VERIFIED];
-    const char *reason = "";
-    for (int i = 0; i < n; i++)
-        if (of->results[i].outcome == VERIFY_FAILED)
-            reason = of->results[i].text;
-    if (failed == n)
-        return error_failed(err, "no picture could be drawn: %s", reason);
-    if (failed > 0)
-        return error_different(err,
-                               "%d of %d pictures could not be drawn, and %d differ or are not "
-                               "verified",
-                               failed, n, different);
-    return different == 0 ||
-           error_different(err, "%d of %d pictures differ, or are not verified", different, n);
+    return totals.worse == 0 ||
+           error_different(err, "%d of %d pictures %s%s", totals.worse, n,
+                           expect                        ? "are worse than in "
+                           : totals.n[VERIFY_FAILED] > 0 ? "could not be drawn, differ, or are "
+                                                           "not verified"
+                                                         : "differ, or are not verified",
+                           expect ? expect : "");
 }
 
 static bool report(const struct verification *of, struct options *options, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct printed table = {.text = NULL}, junit = {.text = NULL};
+    struct printed lines = {.text = NULL}, junit = {.text = NULL};
     struct json json;
-    if (!options->quiet)
-        verify_print(of, options, &table);
-    if (!printed_show(&table, options_table(options, own->junit), err))
+    print_end(of, options, &lines);
+    if (!show(options, &lines, err))
         return false;
     if (options->json) {
         verify_json(of, &json);
@@ -262,7 +318,7 @@ static bool report(const struct verification *of, struct options *options, struc
     if (own->junit)
         verify_junit(of, &junit);
     return (!own->junit || printed_write(&junit, own->junit, &options->outputs, err)) &&
-           conclude(of, err);
+           conclude(of, own->expect, err);
 }
 
 /* ---- the command ---- */
@@ -274,8 +330,17 @@ static bool run_verify(struct options *options, struct error *err)
     if (own->render.renderer && strcmp(own->render.renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
-    const bool done = verification_open(options, &of, err) && run_all(options, &of, err) &&
-                      report(&of, options, err);
+    bool done = find_scenes(options, &of, err);
+    if (done && own->list)
+        done = print_scenes(&of, err);
+    else if (done) {
+        const double start = clock_seconds();
+        done = verification_open(options, &of, err);
+        for (int i = 0; i < of.n_drivers && done; i++)
+            done = run_driver(options, &of, i, err);
+        of.seconds = clock_seconds() - start;
+        done = done && report(&of, options, err);
+    }
     verification_free(&of);
     return done;
 }
@@ -283,10 +348,15 @@ static bool run_verify(struct options *options, struct error *err)
 static const struct option verify_rows[] = {
     {"--junit FILE", "writes the results as JUnit's XML; - is standard output",
      OWN(TEXT, verify_options, junit), .writes = true},
+    {"--expect OLD.json", "fails only where a picture is worse than in this report of --json",
+     OWN(TEXT, verify_options, expect)},
+    {"--limit SECONDS", "gives up a picture after this time (default: 120)",
+     OWN(NUMBER, verify_options, limit), .lowest = 1, .highest = 1e6},
+    {"--list", "prints the names of the scenes, and draws none", OWN(FLAG, verify_options, list)},
 };
 const struct command verify_command = {
     .name = "verify",
-    .operands = "[SCENE...]",
+    .operands = "[SCENE | PATTERN...]",
     .summary = "judge OpenGL's drivers by built-in scenes and hard cases",
     .example = "verify --gl egl --junit verify.xml",
     .run = run_verify,

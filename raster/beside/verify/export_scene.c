@@ -270,34 +270,36 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, co
 
 /* ---- a folder ---- */
 
+/* bounds: gets the legal counts; NULL: they are not wanted. */
 static bool describe_plan(const struct plan *plan, const struct folder *folder, const char *prefix,
-                          struct error *err)
+                          const struct interval_file *bounds, struct error *err)
 {
     struct lit_scene lit = {.plan = NULL};
     char id[DIGEST_TEXT];
     struct volumes volumes = {.n = 0};
-    bool done = lit_make(plan, driver_of(NULL), &lit, err);
-    if (done && plan->view.n_shadowed > 0) {
-        done = volumes_make(&lit, &volumes, err);
-        lit.volumes = &volumes;
-    }
-    done = done && find_full_scale(&lit, err) && scene_describe(&lit, folder, prefix, id, err);
+    uint64_t n_open;
+    const bool done = light_plan(plan, driver_of(NULL), &lit, &volumes, err) &&
+                      scene_describe(&lit, folder, prefix, id, err) &&
+                      (!bounds || interval_write(&lit, bounds, &n_open, err));
     volumes_free(&volumes);
     lit_free(&lit);
     return done;
 }
 
 bool export_plans(const struct plan *plan, const struct plan *targets, const char *words,
-                  const char *path, struct error *err)
+                  const struct options *options, struct error *err)
 {
     struct folder folder;
-    char name[sizeof folder.path + FILE_NAME];
+    char name[sizeof folder.path + FILE_NAME], bounds_name[sizeof name];
+    const struct interval_file bounds = {options, bounds_name, NULL};
     guard_hold();
-    bool done = folder_open_beside(path, &folder, err);
+    bool done = folder_open_beside(options->output, &folder, err);
     snprintf(name, sizeof name, "%s/exported.txt", folder.path);
-    done = done && describe_plan(plan, &folder, "", err) &&
-           describe_plan(targets, &folder, targets_prefix, err) &&
-           file_write(name, words, strlen(words), NULL, err) && folder_keep(&folder, path, err);
+    snprintf(bounds_name, sizeof bounds_name, "%s/bounds.tif", folder.path);
+    done = done && describe_plan(plan, &folder, "", &bounds, err) &&
+           describe_plan(targets, &folder, targets_prefix, NULL, err) &&
+           file_write(name, words, strlen(words), NULL, err) &&
+           folder_keep(&folder, options->output, err);
     folder_close(&folder);
     guard_release();
     return done;

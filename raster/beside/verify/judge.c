@@ -65,7 +65,7 @@ static bool run_export(struct options *options, struct error *err)
     char *words = printed_take(&lines, err);
     const bool done = prints && words && job_read(options, true, &job, err) &&
                       job_plan(options, &job, err) && targets_plan(NULL, true, &targets, err) &&
-                      export_plans(&job.plan, &targets.plan, words, options->output, err) &&
+                      export_plans(&job.plan, &targets.plan, words, options, err) &&
                       options_show_output(options, "folder", options->output, err);
     free(words);
     job_free(&targets);

@@ -7,8 +7,6 @@
 
 /* ---- the table ---- */
 
-enum { MANY = 10 }; /* more scenes than a person named */
-
 /* Returns a part in percent. NaN: there is no whole. */
 static double percent(uint64_t part, uint64_t whole)
 {
@@ -38,10 +36,12 @@ static void print_share(struct printed *to, uint64_t part, uint64_t whole)
         print(to, " %6.2f", part < whole ? fmin(percent(part, whole), 99.99) : 100.0);
 }
 
-static void print_result(const char *name, const struct verify_result *result, struct printed *to)
+/* A picture that is not as an earlier report has it says so. */
+void print_result(const struct verification *of, int driver, int scene, struct printed *to)
 {
+    const struct verify_result *result = result_of(of, driver, scene);
     const struct check_verdict *check = &result->check;
-    print(to, "  %-28s %-13s", name, verify_words[result->outcome]);
+    print(to, "  %-28s %-13s", of->scenes[scene].name, verify_words[result->outcome]);
     if (result->outcome != VERIFY_FAILED) {
         print_floor(to, floor_of(check, 0.5));
         print_floor(to, floor_of(check, 0.999));
@@ -52,26 +52,15 @@ static void print_result(const char *name, const struct verify_result *result, s
     print_text(to, "\n");
     if (result->text[0])
         print(to, "    %s\n", result->text);
+    if (result->expected != result->outcome)
+        print(to, "    expected: %s; this is %s\n", verify_words[result->expected],
+              change_of(result) < 0 ? "worse" : "better");
 }
 
-/* Returns whether one line stands for a result: it is one of several hard cases that agree. */
-static bool is_summed(const struct verification *of, int driver, int scene)
-{
-    return of->n_scenes > MANY && of->scenes[scene].is_hard &&
-           result_of(of, driver, scene)->outcome == VERIFY_AGREED;
-}
-
-static int count_agreed(const struct verification *of, int driver)
-{
-    return totals_of(result_of(of, driver, 0), of->n_scenes).n[VERIFY_AGREED];
-}
-
-static void print_driver(const struct verification *of, int driver, struct printed *to)
+void print_driver(const struct verification *of, int driver, struct printed *to)
 {
     const struct listed_driver *by = &of->drivers[driver];
-    struct verify_result sum = {.outcome = VERIFY_AGREED};
-    char options[64], name[40];
-    int n = 0;
+    char options[64];
     driver_options(by, options);
     print(to, "%s", options);
     if (by->is.names.renderer[0])
@@ -79,19 +68,13 @@ static void print_driver(const struct verification *of, int driver, struct print
               by->is.names.library, driver_profile(by));
     print(to, "\n  %-28s %-13s %9s %9s %6s %6s %6s %9s %8s\n", "scene", "verdict", "floor",
           "99.9 %", "% to 1", "8", "256", "pixels", "seconds");
-    for (int s = 0; s < of->n_scenes; s++) {
-        const struct verify_result *result = result_of(of, driver, s);
-        if (is_summed(of, driver, s)) {
-            verdict_add(&sum.check, &result->check);
-            sum.seconds += result->seconds;
-            n++;
-        } else
-            print_result(of->scenes[s].name, result, to);
-    }
-    snprintf(name, sizeof name, "%d hard cases", n);
-    if (n > 0)
-        print_result(name, &sum, to);
-    print(to, "  %d of %d scenes agree\n\n", count_agreed(of, driver), of->n_scenes);
+}
+
+void print_sum(const struct verification *of, int driver, struct printed *to)
+{
+    const struct totals totals = totals_of(result_of(of, driver, 0), of->n_scenes);
+    print(to, "  agreed %d, differ %d, not verified %d, died %d\n\n", totals.n[VERIFY_AGREED],
+          totals.n[VERIFY_DIFFERS], totals.n[VERIFY_NOT_VERIFIED], totals.n[VERIFY_FAILED]);
 }
 
 /* Prints a command for each failure, which repeats it. */
@@ -111,7 +94,7 @@ static void print_failures(const struct verification *of, const struct options *
             print_text(to, "  spectral render");
             print_shell(to, of->scenes[s].path);
             print(to, " -o /dev/null %s", by);
-            if (of->scenes[s].is_large)
+            if (!of->scenes[s].is_hard && !of->scenes[s].is_file)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
             for (int i = 0; i < options->n_recorded; i++) { /* all but those of the driver */
                 const char *word = options->recorded[i];
@@ -122,17 +105,30 @@ static void print_failures(const struct verification *of, const struct options *
         }
 }
 
-void verify_print(const struct verification *of, const struct options *options, struct printed *to)
+void print_end(const struct verification *of, const struct options *options, struct printed *to)
 {
-    for (int d = 0; d < of->n_drivers; d++)
-        print_driver(of, d, to);
     print_text(to, "floor: the largest error in counts that could pass at half of the object "
                    "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
                    "checked within so many counts of 65535\n");
+    print_text(to, of->differs);
     print_failures(of, options, to);
 }
 
 /* ---- JSON ---- */
+
+void reported_of(const struct verification *of, int driver, struct reported out[REPORTED + 1])
+{
+    const struct listed_driver *by = &of->drivers[driver];
+    const struct renderer_names *names = &by->is.names;
+    const struct reported all[] = {{"program", PROGRAM},
+                                   {"processor", of->processor},
+                                   {"gl_library", names->library},
+                                   {"gl_renderer", names->renderer},
+                                   {"gl_version", names->version},
+                                   {"driver_profile", driver_profile(by)},
+                                   {NULL, NULL}};
+    memcpy(out, all, sizeof all);
+}
 
 static void json_result(const char *name, const struct verify_result *result, struct json *json)
 {
@@ -164,18 +160,18 @@ static void json_result(const char *name, const struct verify_result *result, st
 void verify_json(const struct verification *of, struct json *json)
 {
     json_begin(json);
-    json_string(json, "program", PROGRAM);
     json_open(json, "drivers", '[');
     for (int d = 0; d < of->n_drivers; d++) {
         const struct listed_driver *by = &of->drivers[d];
+        struct reported reported[REPORTED + 1];
+        reported_of(of, d, reported);
         json_open(json, NULL, '{');
         json_string(json, "gl", by->library);
         json_string(json, "renderer", by->renderer);
-        json_string(json, "gl_library", by->is.names.library);
-        json_string(json, "gl_renderer", by->is.names.renderer);
-        json_string(json, "gl_version", by->is.names.version);
-        json_string(json, "driver_profile", driver_profile(by));
-        json_count(json, "agreed", (uint64_t)count_agreed(of, d));
+        for (int i = 0; reported[i].key; i++)
+            json_string(json, reported[i].key, reported[i].value);
+        json_count(json, "agreed",
+                   (uint64_t)totals_of(result_of(of, d, 0), of->n_scenes).n[VERIFY_AGREED]);
         json_open(json, "scenes", '[');
         for (int s = 0; s < of->n_scenes; s++)
             json_result(of->scenes[s].name, result_of(of, d, s), json);
@@ -199,7 +195,6 @@ static void print_attribute(struct printed *to, const char *name, const char *va
 static void print_case(const struct listed_driver *by, const char *scene,
                        const struct verify_result *result, struct printed *to)
 {
-    const bool failed = result->outcome == VERIFY_FAILED;
     print_text(to, "    <testcase");
     print_attribute(to, "name", scene);
     print_attribute(to, "classname",
@@ -209,7 +204,10 @@ static void print_case(const struct listed_driver *by, const char *scene,
         print_text(to, "/>\n");
         return;
     }
-    print(to, ">\n      <%s", failed ? "error" : "failure");
+    print(to, ">\n      <%s",
+          change_of(result) >= 0             ? "skipped" /* it is known */
+          : result->outcome == VERIFY_FAILED ? "error"
+                                             : "failure");
     print_attribute(to, "type", verify_words[result->outcome]);
     print_attribute(to, "message", result->text);
     print_text(to, "/>\n    </testcase>\n");
@@ -219,8 +217,11 @@ static void print_case(const struct listed_driver *by, const char *scene,
 static void print_counts(const struct verify_result *results, int n, struct printed *to)
 {
     const struct totals totals = totals_of(results, n);
-    print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n", n,
-          totals.n[VERIFY_DIFFERS] + totals.n[VERIFY_NOT_VERIFIED], totals.n[VERIFY_FAILED],
+    int errors = 0;
+    for (int i = 0; i < n; i++)
+        errors += results[i].outcome == VERIFY_FAILED && change_of(&results[i]) < 0;
+    print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" skipped=\"%d\" time=\"%.3f\">\n", n,
+          totals.worse - errors, errors, n - totals.n[VERIFY_AGREED] - totals.worse,
           totals.seconds);
 }
 
@@ -233,15 +234,12 @@ static void print_suite(const struct verification *of, int driver, struct printe
     print_attribute(to, "name", options);
     print_counts(result_of(of, driver, 0), of->n_scenes, to);
     print_text(to, "    <properties>\n");
-    const char *const properties[][2] = {{"program", PROGRAM},
-                                         {"gl_library", by->is.names.library},
-                                         {"gl_renderer", by->is.names.renderer},
-                                         {"gl_version", by->is.names.version},
-                                         {"driver_profile", driver_profile(by)}};
-    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
+    struct reported reported[REPORTED + 1];
+    reported_of(of, driver, reported);
+    for (int i = 0; reported[i].key; i++) {
         print_text(to, "      <property");
-        print_attribute(to, "name", properties[i][0]);
-        print_attribute(to, "value", properties[i][1]);
+        print_attribute(to, "name", reported[i].key);
+        print_attribute(to, "value", reported[i].value);
         print_text(to, "/>\n");
     }
     print_text(to, "    </properties>\n");

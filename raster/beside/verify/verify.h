@@ -17,6 +17,11 @@ extern const struct command export_command;
  * differ. */
 extern const struct command judge_command;
 
+/* ---- interval.c: spectral render --bounds ---- */
+
+/* Writes the lowest and the highest legal count of each pixel. */
+extern const struct map_maker interval_maker;
+
 /* ---- command.c: spectral verify ---- */
 
 /* Judges scenes on drivers, and prints a table. Fails with EXIT_DIFFERENT where a picture differs,

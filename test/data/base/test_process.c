@@ -39,21 +39,33 @@ static bool dies(void *context, void *out, struct error *err)
     return kill(getpid(), SIGKILL) == 0;
 }
 
+static bool waits(void *context, void *out, struct error *err)
+{
+    (void)context;
+    (void)out;
+    (void)err;
+    return pause() == 0;
+}
+
 static void jobs(void)
 {
     struct error err = {.status = EXIT_AGREED};
     int number = 21, out = 0;
-    CHECK(process_run(doubles, &number, &out, sizeof out, &err) && out == 42,
+    CHECK(process_run(doubles, &number, &out, sizeof out, 60, &err) && out == 42,
           "a process returns its result");
     CHECK(number == 21, "a process has its own copy of all other memory");
-    CHECK(!process_run(refuses, &number, &out, sizeof out, &err) && err.status == EXIT_INPUT,
+    CHECK(!process_run(refuses, &number, &out, sizeof out, 60, &err) && err.status == EXIT_INPUT,
           "a process returns its failure");
     CHECK_TEXT(err.text, "error: seven is no colour",
                "the message of the failure is the process's own");
     err = (struct error){.status = EXIT_AGREED};
-    CHECK(!process_run(dies, &number, &out, sizeof out, &err) && err.status == EXIT_SYSTEM,
+    CHECK(!process_run(dies, &number, &out, sizeof out, 60, &err) && err.status == EXIT_SYSTEM,
           "a killed process is a failure of the system");
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
+    err = (struct error){.status = EXIT_AGREED};
+    CHECK(!process_run(waits, &number, &out, sizeof out, 1, &err) &&
+              strstr(err.text, "no result in its time") != NULL,
+          "a process that takes too long is ended");
 }
 
 /* ---- programs ---- */

@@ -180,13 +180,13 @@ def families():
     specification allows; one that changes is refused."""
     unknown = {"LD_PRELOAD": FAULTS, "FAULT": "83"}
     for name in WAYS[:2]:
-        said = run("drivers", "--measure", "-v", GALLIUM_DRIVER=name, **unknown).stdout
+        said = run("drivers", "-v", GALLIUM_DRIVER=name, **unknown).stdout
         check(re.search(rf"level of detail +as {name} ", said), f"{name}: its rule is known without its name", said)
         status, found, message = judged(SCENE, GALLIUM_DRIVER=name, **unknown)
         check(status == 0 and found["driver_profile"] == "measured" and found["check"]["unchecked_pixels"] < (20 if name == "llvmpipe" else 100),
               f"{name}: agrees where it is not known", message, found and found["check"])
     for option in "rho_approx", "brilinear":
-        said = run("drivers", "--measure", "-v", GALLIVM_PERF=option, **unknown).stdout
+        said = run("drivers", "-v", GALLIVM_PERF=option, **unknown).stdout
         check("levels of detail as specified" in said and "neither as llvmpipe nor softpipe" in said,
               f"{option}: a rule that is none of these is said to be as wide as specified", said)
         status, found, _ = judged(SCENE, GALLIVM_PERF=option, **unknown)

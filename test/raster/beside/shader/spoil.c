@@ -4,6 +4,10 @@
  *
  *     diffuse   diffuse light is 1/100 too weak in the second band of each pass
  *     crash     the driver ends the process where a texture is switched on
+ *     hang      it waits there for ever
+ *     die       it ends the process at each light
+ *     start     it waits for ever when it is asked for its name
+ *     black     lights are black
  *     unknown   the driver has another name
  *     depths    OpenGL ES cannot read depths
  *     filters   OpenGL ES does not filter floats
@@ -19,6 +23,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef void any_function(void);
 
@@ -51,6 +56,10 @@ void glLightfv(GLenum light, GLenum name, const GLfloat *values)
     memcpy(spoiled, values, (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *spoiled);
     if (name == GL_DIFFUSE && spoils("diffuse"))
         spoiled[1] *= 0.99F;
+    if (spoils("die"))
+        raise(SIGSEGV);
+    if ((name == GL_DIFFUSE || name == GL_SPECULAR) && spoils("black"))
+        memset(spoiled, 0, sizeof spoiled);
     next(light, name, spoiled);
 }
 
@@ -97,6 +106,8 @@ const GLubyte *glGetString(GLenum name)
 {
     const GLubyte *(*next)(GLenum);
     real("glGetString", &next);
+    while (spoils("start"))
+        pause();
     return name == GL_RENDERER && spoils("unknown") ? (const GLubyte *)"Foo 9000" : next(name);
 }
 
@@ -106,5 +117,7 @@ void glEnable(GLenum name)
     real("glEnable", &next);
     if (name == GL_TEXTURE_2D && spoils("crash"))
         raise(SIGSEGV);
+    while (name == GL_TEXTURE_2D && spoils("hang"))
+        pause();
     next(name);
 }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile python3-junitparser libosmesa6-dev; makes: faults spoil
 """Runs spectral verify: its verdicts are those of render, JUnit's XML is read by real readers, planted faults are found, the
-commands that it prints repeat them, and a driver that crashes does not end the run. Prints TAP."""
+commands that it prints repeat them, what an earlier report knows passes, and whatever a driver does there is a report. Prints TAP."""
 import json
 import os
 import re
@@ -14,8 +14,7 @@ import xml.etree.ElementTree
 
 from junitparser import JUnitXml
 
-import documents
-from rendered import FAULTS, SPECTRAL, SPOIL, TMP, check, done, path_of, refuses, remove, run, write
+from rendered import FAULTS, SPECTRAL, SPOIL, TMP, check, done, parts, path_of, refuses, remove, run, write
 
 LLVMPIPE = ("--gl", "osmesa", "--renderer", "llvmpipe")
 
@@ -30,13 +29,13 @@ def four_drivers():
              for library, renderer, name, by, bounds in heads if name == bounds}
     check({(gl, way, by, name) for name in ("llvmpipe", "softpipe") for gl, by, ways in (("osmesa", "OSMesa", ("",)), ("egl", "EGL", (
         "", "gl-shader", "es-shader"))) for way in ways} <= drawn, "these are OSMesa and EGL with llvmpipe and softpipe, and their shaders", heads)
-    check(len(drawn) == len(heads) and result.stdout.count("\n  3 of 3 scenes agree\n") == len(heads), "each driver once", result.stdout)
+    check(len(drawn) == len(heads) and result.stdout.count("\n  agreed 3, differ 0, not verified 0, died 0\n") == len(heads), "each driver once", result.stdout)
     with open(path_of("four.json")) as file:
         report = json.load(file)
     for driver in report["drivers"]:
         for found in driver["scenes"]:
             scene = found["scene"]
-            words = ["builtin:hard/mirror.scene"] if "/" in scene else [scene, "--size", "300x200", "--wavelengths", "400:700:10"]
+            words = [scene] if "/" in scene else [scene, "--size", "300x200", "--wavelengths", "400:700:10"]
             words += ["--gl", driver["gl"]] + (["--renderer", driver["renderer"]] if driver["renderer"] else [])
             alone = json.loads(run("render", *words, "-o", "/dev/null", "--json", "-").stdout)["check"]
             check(all(found[key] == alone[key] for key in ("samples", "pixels", "ambiguous_pixels", "unexplained_pixels", "max_counts",
@@ -49,10 +48,26 @@ def four_drivers():
 
 
 def everything():
+    listed = run("verify", "--list").stdout.split()
     result = run("verify", *LLVMPIPE)
-    count = re.search(r"^  (\d+) of (\d+) scenes agree$", result.stdout, re.MULTILINE)
-    check(result.returncode == 0 and count and count.group(1) == count.group(2) and int(count.group(1)) > 100 and
-          re.search(r"^  \d+ hard cases +agreed", result.stdout, re.MULTILINE), "all built-in scenes and hard cases agree", result.stdout)
+    names = re.findall(r"^  (\S+) +agreed ", result.stdout, re.MULTILINE)
+    check(result.returncode == 0 and names == listed and len(listed) > 100 and f"\n  agreed {len(listed)}, differ 0, not verified 0, died 0\n" in result.stdout,
+          "all built-in scenes and hard cases agree, a line each, and --list names them", result.stdout)
+
+
+def named():
+    """Patterns of a shell, hard cases by name in each command, in their own size."""
+    hard = re.findall(r"^  (hard/\S+)$", run("list", "hard").stdout, re.MULTILINE)
+    for words, expected in (("hard/mirror*", [name for name in hard if name.startswith("hard/mirror")]), ("hard", hard), ("p*", ["pasture", "patches"]),
+                            ("hard/mirror", ["hard/mirror"])):
+        check(sorted(run("verify", "--list", words).stdout.split()) == sorted(expected) and expected, f"{words} names its scenes", expected)
+    check("hard/" not in run("list").stdout, "a list of all does not have them")
+    refuses("a pattern of nothing", "no file x\\* and no built-in scene of that name", "verify", "x*")
+    for command in ("verify", "render"):
+        refuses("a hard case that is not there", "did you mean hard/mirror\\?", command, "hard/miror")
+    sizes = [json.loads(run("render", "hard/mirror", "-o", "/dev/null", "--json", "-", *words).stdout)["check"]["pixels"] for words in ((), ("--size", "9x9"))]
+    report = json.loads(run("verify", "hard/mirror", "patches", *LLVMPIPE, "--size", "9x9", "--json", "-").stdout)
+    check([scene["pixels"] for scene in report["drivers"][0]["scenes"]] == [sizes[0], 81] and sizes[1] == 81, "verify leaves a hard case its size", report)
 
 
 def failures():
@@ -101,31 +116,73 @@ def nothing_checked():
     check(re.search(r"^  \S*empty.scene +agreed +- +- +- +- +- +600 ", result.stdout, re.MULTILINE), "and the table has no figure there", result.stdout)
 
 
-def compared():
-    """The recipe of the page finds what has changed, and passes over what has not."""
-    recipe = re.search(r"^verdicts\(\).*?(?=^```$)", documents.read("verification.md"), re.MULTILINE | re.DOTALL).group(0)
-    before, after = recipe.replace("--gl egl", "--gl osmesa --renderer llvmpipe").rsplit("\n", 2)[:2]
-    definition = before.splitlines()[0]
-    fault = f"export FAULT=5 LD_PRELOAD={FAULTS}\n"
-    for name, first, second, status in (("nothing", "", "", 0), ("a new failure", "", fault, 1), ("a known failure", fault, fault, 0),
-                                        ("a failure that is gone", fault, "", 1)):
-        subprocess.run(["sh", "-c", first + before], check=True, cwd=TMP, stderr=subprocess.DEVNULL)
-        result = subprocess.run(["sh", "-c", second + definition + "\n" + after], check=False, cwd=TMP, stdout=subprocess.PIPE,
-                                stderr=subprocess.DEVNULL, universal_newlines=True)
-        check(result.returncode == status and bool(result.stdout) == bool(status), f"diff of two tables finds {name}", result.stdout)
+def expected():
+    """Known defects pass, new ones and worse ones fail, and what has gone away is said."""
+    old, scenes = path_of("old.json"), ("patches", "spheres", "hard/mirror")
+    fault = {"FAULT": "5", "LD_PRELOAD": FAULTS}
+
+    def verify(*words, **environment):
+        return run("verify", *scenes, *LLVMPIPE, *words, **environment)
+
+    for name, first, second, status, words in (
+            ("nothing", {}, {}, 0, ()), ("a new failure", {}, fault, 1, ("expected: agreed; this is worse",)), ("a known failure", fault, fault, 0, ()),
+            ("a failure that is gone", fault, {}, 0, ("expected: differs; this is better",))):
+        verify("--json", old, **first)
+        result = verify("--expect", old, "--junit", path_of("expect.xml"), **second)
+        said = re.findall("expected: .*", result.stdout)
+        suites = JUnitXml.fromfile(path_of("expect.xml"))
+        check(result.returncode == status and set(said) == set(words) and (suites.failures > 0) == (status == 1) and (
+            suites.skipped > 0) == (first == second != {}), f"--expect finds {name}", result.stdout, result.stderr)
+    with open(old) as file:
+        text = file.read()
+    with open(old, "w") as file:  # written anew by another program, with a scene less, and of another version
+        report = json.loads(text)
+        report["drivers"][0]["gl_version"] = 'the "old" one'
+        del report["drivers"][0]["scenes"][0]
+        json.dump(report, file, indent=4)
+    result = verify("--expect", old, **fault)
+    check(result.returncode == 1 and "error: 1 of 3 pictures are worse than in " in result.stderr and
+          re.search("^then gl_version was 'the \"old\" one', now it is '.*Mesa", result.stdout, re.MULTILINE), "a scene that the report lacks is expected to agree; another version is named",
+          result.stdout, result.stderr)
+    refuses("a file that is no report", "is no report of verify --json", "verify", "patches", *LLVMPIPE, "--expect", "README.md")
 
 
-def crashes():
-    remove(path_of("crash.xml"))
-    result = run("verify", "textures", "patches", "--gl", "egl", "--junit", path_of("crash.xml"), SPOIL="crash", LD_PRELOAD=SPOIL)
-    check(result.returncode == 1 and re.search(r"^  textures +failed +\n    a run ended without a result: Segmentation fault$", result.stdout, re.MULTILINE)
-          and re.search(r"^  patches +agreed", result.stdout, re.MULTILINE), "a crash is a result, and the next scene is drawn", result.stdout, result.stderr)
-    suite = next(iter(JUnitXml.fromfile(path_of("crash.xml"))))
-    check((suite.tests, suite.failures, suite.errors) == (2, 0, 1), "in JUnit it is an error")
+def deaths():
+    """Whatever a driver does, there is a report, and the exit status is 1."""
+    for spoil, scenes, verdicts, words in (
+            ("crash", ("textures", "patches"), ("failed", "agreed"), "a run ended without a result: Segmentation fault"),
+            ("die", ("textures", "patches"), ("failed", "failed"), "a run ended without a result: Segmentation fault"),
+            ("hang", ("textures", "patches"), ("failed", "agreed"), "a run had no result in its time"),
+            ("start", ("textures", "patches"), ("failed", "failed"), "a run had no result in its time"),
+            ("black", ("spheres", "patches"), ("differs", "differs"), "the pictures differ at ")):
+        xml_path, json_path = path_of("dead.xml"), path_of("dead.json")
+        remove(xml_path, json_path)
+        start = time.monotonic()
+        result = run("verify", *scenes, "--gl", "egl", "--limit", "3", "--junit", xml_path, "--json", json_path, SPOIL=spoil, LD_PRELOAD=SPOIL)
+        seconds = time.monotonic() - start
+        with open(json_path) as file:
+            found = [(scene["verdict"], scene["message"]) for scene in json.load(file)["drivers"][0]["scenes"]]
+        suite = next(iter(JUnitXml.fromfile(xml_path)))
+        check(result.returncode == 1 and tuple(verdict for verdict, _ in found) == verdicts and words in found[0][1] and
+              (suite.tests, suite.errors, suite.failures) == (2, verdicts.count("failed"), verdicts.count("differs")) and
+              f"agreed {verdicts.count('agreed')}, differ {verdicts.count('differs')}, not verified 0, died {verdicts.count('failed')}\n" in result.stdout,
+              f"{spoil}: a report, and status 1", found, result.stdout, result.stderr)
+        print(f"# {spoil}: {seconds:.1f} s")
+
+
+def at_once():
+    """A line comes as soon as its scene ends, also in a pipe."""
+    process = subprocess.Popen([SPECTRAL, "verify", "patches", "textures", "--gl", "egl", "--limit", "20"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                               env={**os.environ, "SPOIL": "hang", "LD_PRELOAD": SPOIL})
+    lines = [process.stdout.readline() for _ in range(3)]
+    check(lines[2].startswith(b"  patches  ") and process.poll() is None, "the first scene's line does not wait for the second", lines)
+    process.kill()
+    process.communicate()
 
 
 def refusals():
-    refuses("a device that is missing", "there is no egl:60", "verify", "patches", "--gl", "egl:60", status=3)
+    result = run("verify", "patches", "--gl", "egl:60")
+    check(result.returncode == 1 and "there is no egl:60" in result.stdout, "a device that is missing cannot draw", result.stdout, result.stderr)
     remove(path_of("stopped.json"))
     process = subprocess.Popen([SPECTRAL, "verify", "--json", path_of("stopped.json")], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
@@ -136,13 +193,5 @@ def refusals():
     check(process.returncode != 0 and time.monotonic() - start < 5 and not os.path.exists(path_of("stopped.json")), "an interruption ends it, without a file")
 
 
-four_drivers()
-everything()
-failures()
-names()
-nothing_checked()
-documents.put_in_path()
-compared()
-crashes()
-refusals()
+parts(four_drivers, everything, named, failures, names, nothing_checked, expected, deaths, at_once, refusals)
 done()
