@@ -179,7 +179,7 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     snprintf(below, sizeof below, "%s", path);
-    if (make(dirname(below), ".spectral-unfinished.", out))
+    if (make(dirname(below), ".spectral-unfinished.", out) && guard_remove(out->path))
         return true;
     error_cause(err, place, "cannot make the folder");
     folder_close(out);
@@ -192,6 +192,7 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
     umask(mask);
     if (fchmod(dirfd(folder->entries), 0777 & ~mask) != 0 || rename(folder->path, path) != 0)
         return error_cause(err, (struct place){path, 0, 0}, "cannot make the folder");
+    guard_forget(folder->path);
     folder->path[0] = '\0';
     folder_sync(path); /* the new name is on the disk when its own folder is */
     return true;

@@ -66,6 +66,8 @@ static bool write_json(const struct rendered *of, struct error *err)
     report_put(of->plan, &of->result, &json);
     json_count(&json, "peak_bytes", peak_bytes());
     json_string(&json, "output", of->stored);
+    if (of->result.bounds_for)
+        json_count(&json, "unbounded_pixels", of->result.open_pixels);
     json_string(&json, "sha256", stack ? sha256 : NULL);
     return json_write(&json, of->options->json, outputs, err);
 }

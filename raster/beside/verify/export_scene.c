@@ -270,7 +270,8 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, co
 
 /* ---- a folder ---- */
 
-/* bounds: gets the legal counts; NULL: they are not wanted. */
+/* bounds: gets the legal counts; NULL: they are not wanted. They come first: without memory libtiff
+ * may crash, and only an empty folder is removed then. */
 static bool describe_plan(const struct plan *plan, const struct folder *folder, const char *prefix,
                           const struct interval_file *bounds, struct error *err)
 {
@@ -279,8 +280,8 @@ static bool describe_plan(const struct plan *plan, const struct folder *folder, 
     struct volumes volumes = {.n = 0};
     uint64_t n_open;
     const bool done = light_plan(plan, driver_of(NULL), &lit, &volumes, err) &&
-                      scene_describe(&lit, folder, prefix, id, err) &&
-                      (!bounds || interval_write(&lit, bounds, &n_open, err));
+                      (!bounds || interval_write(&lit, bounds, &n_open, err)) &&
+                      scene_describe(&lit, folder, prefix, id, err);
     volumes_free(&volumes);
     lit_free(&lit);
     return done;

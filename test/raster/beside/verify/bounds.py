@@ -3,6 +3,7 @@
 # level: first; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Checks the legal counts of render --bounds and of export: what each driver draws lies within its own interval and within that of any
 driver; an interval is as wide as the floors of the check; and what a planted fault changes lies outside. Prints TAP."""
+import json
 import os
 import re
 import subprocess
@@ -46,10 +47,11 @@ def honest():
     scenes += [(scene, (), [WAYS[i % len(WAYS)], WAYS[(i + 1) % len(WAYS)]]) for i, scene in enumerate(hard)]
     widths = {"its own": [], "any": []}
     for scene, words, ways in scenes if FULL else scenes[3:7] + scenes[10::20]:
-        reference = run("render", scene, *words, "--renderer", "raster", "--no-check", "-o", "/dev/null", "--bounds", path_of("any.tif"))
+        reference = run("render", scene, *words, "--renderer", "raster", "--no-check", "-o", "/dev/null", "--bounds", path_of("any.tif"),
+                        "--json", "-")
         any_low, any_high = ends_of("any.tif")
         n_open = int(((any_low == 0) & (any_high == 65535)).any(axis=0).sum())
-        check(f"for any driver: nothing bounds {n_open} pixels\n" in reference.stdout, f"{scene}: the report counts what nothing bounds",
+        check(f"for any driver: nothing bounds {n_open} pixels\n" in reference.stderr and json.loads(reference.stdout)["unbounded_pixels"] == n_open, f"{scene}: the report counts what nothing bounds",
               reference.stdout, reference.stderr, n_open)
         for way in ways:
             samples, low, high = drawn(scene, *words, *way)
