@@ -320,7 +320,7 @@ def whole_or_not():
     check(result.returncode == 3 and result.stderr.count("\n") == 1 and sorted(os.listdir(folder)) == own,
           "a disk that is full leaves nothing", result.returncode, result.stderr, os.listdir(folder))
     statuses, left = set(), set()
-    for allocation in (*range(500, 1000, 20), 9000):
+    for allocation in (*range(500, 1000, 20), 10**9):
         result = subprocess.run([SPECTRAL, "export", "patches", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
                                 env={**os.environ, "FAIL": f"own:{allocation}+", "LD_PRELOAD": FAIL})
         statuses.add(result.returncode)
