@@ -277,14 +277,14 @@ static bool run_driver(const struct options *options, struct verification *of, i
 {
     struct printed lines = {.text = NULL};
     bool done = true;
-    print_driver(of, driver, &lines);
+    verify_head(of, driver, &lines);
     for (int i = 0; i < of->n_scenes && done; i++) {
         struct task task = {options, &of->drivers[driver], &of->scenes[i]};
         done = show(options, &lines, err) && verify_run(&task, result_of(of, driver, i), err);
         if (done)
-            print_result(of, driver, i, &lines);
+            verify_line(of, driver, i, &lines);
     }
-    print_sum(of, driver, &lines);
+    verify_sum(of, driver, &lines);
     return done && show(options, &lines, err);
 }
 
@@ -307,7 +307,7 @@ static bool report(const struct verification *of, struct options *options, struc
     const struct verify_options *own = options->own;
     struct printed lines = {.text = NULL}, junit = {.text = NULL};
     struct json json;
-    print_end(of, options, &lines);
+    verify_end(of, options, &lines);
     if (!show(options, &lines, err))
         return false;
     if (options->json) {

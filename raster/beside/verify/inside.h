@@ -100,10 +100,10 @@ struct totals totals_of(const struct verify_result *results, int n);
 
 /* The table: a driver and the names of columns; a line for each result; a line for each driver's
  * sum; commands that repeat each failure. */
-void print_driver(const struct verification *of, int driver, struct printed *to);
-void print_result(const struct verification *of, int driver, int scene, struct printed *to);
-void print_sum(const struct verification *of, int driver, struct printed *to);
-void print_end(const struct verification *of, const struct options *options, struct printed *to);
+void verify_head(const struct verification *of, int driver, struct printed *to);
+void verify_line(const struct verification *of, int driver, int scene, struct printed *to);
+void verify_sum(const struct verification *of, int driver, struct printed *to);
+void verify_end(const struct verification *of, const struct options *options, struct printed *to);
 void verify_json(const struct verification *of, struct json *json);
 /* The format that continuous integration reads: a suite is a driver, a case a scene. */
 void verify_junit(const struct verification *of, struct printed *to);

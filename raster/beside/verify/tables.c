@@ -37,7 +37,7 @@ static void print_share(struct printed *to, uint64_t part, uint64_t whole)
 }
 
 /* A picture that is not as an earlier report has it says so. */
-void print_result(const struct verification *of, int driver, int scene, struct printed *to)
+void verify_line(const struct verification *of, int driver, int scene, struct printed *to)
 {
     const struct verify_result *result = result_of(of, driver, scene);
     const struct check_verdict *check = &result->check;
@@ -57,7 +57,7 @@ void print_result(const struct verification *of, int driver, int scene, struct p
               change_of(result) < 0 ? "worse" : "better");
 }
 
-void print_driver(const struct verification *of, int driver, struct printed *to)
+void verify_head(const struct verification *of, int driver, struct printed *to)
 {
     const struct listed_driver *by = &of->drivers[driver];
     char options[64];
@@ -70,7 +70,7 @@ void print_driver(const struct verification *of, int driver, struct printed *to)
           "99.9 %", "% to 1", "8", "256", "pixels", "seconds");
 }
 
-void print_sum(const struct verification *of, int driver, struct printed *to)
+void verify_sum(const struct verification *of, int driver, struct printed *to)
 {
     const struct totals totals = totals_of(result_of(of, driver, 0), of->n_scenes);
     print(to, "  agreed %d, differ %d, not verified %d, died %d\n\n", totals.n[VERIFY_AGREED],
@@ -105,7 +105,7 @@ static void print_failures(const struct verification *of, const struct options *
         }
 }
 
-void print_end(const struct verification *of, const struct options *options, struct printed *to)
+void verify_end(const struct verification *of, const struct options *options, struct printed *to)
 {
     print_text(to, "floor: the largest error in counts that could pass at half of the object "
                    "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
