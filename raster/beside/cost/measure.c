@@ -175,8 +175,10 @@ static bool announce(struct measurement *of, struct error *err)
     const double first = of->cost->samplings[0].unchecked.seconds[0];
     struct printed line = {.text = NULL};
     of->likely = clock_seconds() - of->begun + rest + pictures * first / (1 + fewer * first);
+    if (of->options->quiet)
+        return true;
     print(&line, "about %.2g s\n", of->likely);
-    return of->options->quiet || printed_show(&line, STDERR_FILENO, err);
+    return printed_show(&line, STDERR_FILENO, err);
 }
 
 /* Renders a configuration once, and measures it. What the scene refuses becomes a note. */
