@@ -292,7 +292,7 @@ static bool page_add(struct image *image, int band, const struct page_record *re
             "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
             layout->width, layout->height, layout->bits, pages->width, pages->height, pages->bits);
     layout->has_nodata = record->has_nodata && layout->n_colours == 1;
-    layout->nodata = layout->bits == 32 ? (double)(float)record->nodata : record->nodata;
+    layout->nodata = layout->bits == 32 ? round_to_single(record->nodata) : record->nodata;
     image->coloured = image->coloured || layout->n_colours > 1;
     file->directory = layout->directory;
     image->n_pages++;

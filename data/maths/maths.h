@@ -26,6 +26,14 @@ static inline double roundings(double n)
     return n * SINGLE_ROUNDOFF;
 }
 
+/* Rounds to single precision. The number is volatile, since gcc 12.2 takes (double)(float) for
+ * nothing where it converts two numbers at once. */
+static inline double round_to_single(double number)
+{
+    const volatile float rounded = (float)number;
+    return (double)rounded;
+}
+
 /* ---- elementary.c: functions that give the same bits everywhere ---- */
 
 /* Errors are bounded in units in the last place of the exact result. Pictures depend on these

@@ -31,7 +31,7 @@ bool exact_row(const double row[4], const double v[4])
     double terms[4];
     for (int i = 0; i < 4; i++) {
         terms[i] = row[i] * v[i];
-        if ((double)(float)row[i] != row[i] || (double)(float)v[i] != v[i])
+        if (round_to_single(row[i]) != row[i] || round_to_single(v[i]) != v[i])
             return false;
     }
     return exact_sum(terms, 4);

@@ -40,7 +40,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
 {
     const struct picture *picture = &check->chunk->picture;
     const struct named named = {picture->surface[pixel], picture->triangle[pixel],
-                                (double)(float)picture->depth[pixel],
+                                round_to_single(picture->depth[pixel]),
                                 (double)check->chunk->pixels[pixel].depth_error};
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     if (!is_shown(check, named.surface < 0 ? &background : &named, shown, lacks, &failure))

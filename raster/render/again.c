@@ -23,6 +23,8 @@ static bool again_options(const struct options *options, const struct record *re
     out->quiet = options->quiet;
     struct render_options *made = out->own;
     made->maps = own->maps;
+    made->bounds = own->bounds;
+    made->bounds_for = own->bounds_for;
     if (!made->renderer || strcmp(made->renderer, "raster") != 0)
         return !(own->no_check || own->strict || own->unchecked) ||
                error_usage(err,

@@ -113,6 +113,15 @@ bool job_plan(const struct options *options, struct render_job *job, struct erro
     return done;
 }
 
+bool job_read_files(const struct scene *scene, struct error *err)
+{
+    const struct plan_options options = {.store_raster = true, .threads = 1};
+    struct plan plan = {.scene = NULL};
+    const bool done = plan_make(scene, NULL, &options, &plan, err);
+    plan_free(&plan);
+    return done;
+}
+
 void job_free(struct render_job *job)
 {
     notes_free(&job->notes);

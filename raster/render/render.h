@@ -135,6 +135,9 @@ bool job_read(const struct options *options, bool foreign, struct render_job *jo
               struct error *err);
 /* Plans the scene, and divides its triangles where --accuracy asks for it. */
 bool job_plan(const struct options *options, struct render_job *job, struct error *err);
+/* Plans a scene by the reference, and so reads its files: where renders read them in processes of
+ * their own, no output of this one may replace one. Refuses what cannot be drawn. */
+bool job_read_files(const struct scene *scene, struct error *err);
 void job_free(struct render_job *job);
 
 /* Makes a file beside a stack, by the reference: raster/beside/see/maps.c, and

@@ -210,18 +210,11 @@ static bool may_wrap(const struct maker *maker, struct cap *caps, int n, int lev
 
 /* ---- vertices ---- */
 
-/* Rounds a number as OpenGL gets it. It is volatile, since gcc 12.2 takes (double)(float) for
- * nothing where it converts two numbers at once. */
-static double rounded(double number)
-{
-    const volatile float as_float = (float)number;
-    return (double)as_float;
-}
-
 /* Adds a vertex, rounded as OpenGL gets it. */
 static bool add_vertex(struct volume *out, struct vector at, struct error *err)
 {
-    const struct vertex vertex = {.position = {rounded(at.x), rounded(at.y), rounded(at.z)}};
+    const struct vertex vertex = {
+        .position = {round_to_single(at.x), round_to_single(at.y), round_to_single(at.z)}};
     return array_add(&out->vertices, &out->n_vertices, &vertex, sizeof vertex, err);
 }
 

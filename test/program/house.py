@@ -404,6 +404,13 @@ def mathematics(tree):
                 yield Finding(path, line, f"{word} of the C library differs from system to system; take data/maths/elementary.c's")
 
 
+def roundings(tree):
+    for path, source in tree.sources.items():
+        for number, line in enumerate(source.lines, 1):
+            if "(double)(float)" in line.replace(" ", "") and path != "data/maths/maths.h":
+                yield Finding(path, number, "gcc 12.2 leaves out (double)(float); take round_to_single of data/maths/maths.h")
+
+
 def figures(tree):
     """Each size that has a budget: what has it, where it begins, the figure and its unit, the budget, and what to do."""
     for path, source in tree.sources.items():
@@ -521,6 +528,7 @@ RULES = (
     (names, "no two files share a name, and no name must be looked up"),
     (core_words, f"{CORE} knows geometry and light only"),
     (mathematics, "no function of the C library is called that differs from system to system"),
+    (roundings, "no number is rounded by a pair of casts"),
     (budgets, "every size is within its budget"),
     (together, "rooms that have a budget together are within it"),
     (declarations, "every function that a header declares has a user in another file"),
@@ -605,6 +613,8 @@ def plants(tree):
          at_core + 'the core names "tiles"; it must know geometry and light only'),
         ("a sine of the C library", {source: "static double planted(double x) { return sin(x); } /* cos(x) */"},
          at_source + "sin of the C library differs from system to system"),
+        ("a number that a pair of casts rounds", {source: "static double planted(double x) { return (double)(float)x; }"},
+         at_source + r"gcc 12.2 leaves out \(double\)\(float\); take round_to_single of data/maths/maths.h"),
         ("a function of OpenGL in the core", {core: "/* as glBegin does */"},
          at_core + 'the core names "glBegin"; it must know geometry and light only'),
         ("a citation of OpenGL's specification in the core",

@@ -16,7 +16,7 @@ from rendered import SPECTRAL, check, done, path_of, run
 from sanitized import SLOW, WORDS
 
 ENDINGS = {"STACK.tif": ".tif", "PICTURE.png": ".png", "PAGE.html": ".html", "FILE.hdr": ".hdr", "--check-map": ".png", "--map": ".tif",
-           "--maps": ".tif"}
+           "--maps": ".tif", "--bounds": ".tif"}
 FORMS = "file", "-", "/dev/stdout", "folder", "fifo"
 STANDARD = FORMS[1:3]
 # With FULL=1 an output alone has also each of these names, which may be refused: without a usual ending, in capitals, of a place that

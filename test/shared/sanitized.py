@@ -57,12 +57,12 @@ def finding(status, errors):
 
 SMALL = "--size", "16x12", "--wavelengths", "500:600:50"
 # The words that let a command come to its outputs quickly, with the files below. A command may write in several forms.
-WORDS = {"render": [["patches", *SMALL, "-q"], ["patches", *SMALL, "-q", "--envi"]],
+WORDS = {"render": [["patches", *SMALL, "-q"], ["--again", "stack.tif", "-q"]],
          "develop": [["stack.tif"], ["stack.tif", "--xyz"], ["stack.tif", "--raw", "--detector", "cie1931"]],
          "probe": [["stack.tif", "3", "3"], ["patches", "3", "3", *SMALL], ["stack.tif", "--objects", "--csv"], ["stack.tif", "3", "3", "--svg"],
                    ["stack.tif", "1", "1", "--against", "3", "3"]],
          "compare": [["stack.tif", "other.tif", "--tolerance", "100%"]], "view": [["patches", *SMALL], ["stack.tif"]],
-         "plan": [["patches", *SMALL]], "cost": [["my.scene", "--size", "4x3", "--wavelengths", "500", "-q"]], "verify": [["my.scene", "-q"]],
+         "plan": [["patches", *SMALL]], "cost": [["my.scene", "--size", "4x3", "--wavelengths", "500", "-q"]], "verify": [["my.scene", "-q"], ["patches", "--list"]],
          "info": [["stack.tif"], ["picture.tif"]], "list": [["scenes"]], "show": [["patches"], ["d65", "--csv"], ["d65", "--svg"]],
          "join": [["part.tif"]], "envi": [["stack.tif"]], "drivers": [[]], "export": [["patches", *SMALL]], "judge": [["exported", "-q"]]}
 SLOW = "cost", "verify", "drivers"

@@ -374,22 +374,18 @@ static bool find_opengl(const struct options *options, bool *out, struct error *
     return !*out || render->gl || process_run(try_opengl, NULL, out, sizeof *out, 0, err);
 }
 
-/* Refuses a detector that is no observer. Plans the scene, which reads its files: no output may
- * replace one, and the renders read them in processes of their own. OpenGL draws no phong shading:
+/* Refuses a detector that is no observer. OpenGL draws no phong shading:
  * the reference alone then draws all configurations. */
 static bool survey(struct measurement *of, struct error *err)
 {
     struct detector observer = {.name = NULL};
-    const struct plan_options by_reference = {.store_raster = true, .threads = 1};
     struct printed name = {.text = NULL};
-    struct plan plan = {.scene = NULL};
     struct cost *cost = of->cost;
     cost->observer = options_detector(of->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
                       scene_read_options(of->options, &of->scene, err) &&
-                      plan_make(&of->scene, NULL, &by_reference, &plan, err) &&
+                      job_read_files(&of->scene, err) &&
                       find_opengl(of->options, &cost->checked, err);
-    plan_free(&plan);
     detector_free(&observer);
     if (!done)
         return false;

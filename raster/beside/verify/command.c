@@ -104,11 +104,28 @@ static void name_processor(char *out, size_t capacity)
     free(text);
 }
 
-/* Finds the drivers, and what an earlier report says of them. */
+/* Reads the files of a scene before any driver can end the process that draws it. */
+static bool read_files(const struct options *options, const struct verify_scene *of,
+                       struct error *err)
+{
+    struct options alone = *options;
+    struct scene scene;
+    alone.operand = alone.operands[0] = of->path;
+    alone.n_operands = 1;
+    const bool done = scene_read_options(&alone, &scene, err) && job_read_files(&scene, err);
+    scene_free(&scene);
+    return done;
+}
+
+/* Finds the drivers, and what an earlier report says of them. Any scene has the files that options
+ * name. */
 static bool verification_open(const struct options *options, struct verification *out,
                               struct error *err)
 {
     const struct verify_options *own = options->own;
+    for (int i = 0; i < out->n_scenes; i++)
+        if ((i == 0 || out->scenes[i].is_file) && !read_files(options, &out->scenes[i], err))
+            return false;
     if (!find_drivers(options, out, err))
         return false;
     name_processor(out->processor, sizeof out->processor);
@@ -330,6 +347,8 @@ static bool run_verify(struct options *options, struct error *err)
     if (own->render.renderer && strcmp(own->render.renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
+    if (own->list && (options->json || own->junit))
+        return error_usage(err, "--list draws nothing, and has no report to write");
     bool done = find_scenes(options, &of, err);
     if (done && own->list)
         done = print_scenes(&of, err);

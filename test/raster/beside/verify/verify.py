@@ -181,6 +181,12 @@ def at_once():
 
 
 def refusals():
+    with open(path_of("lamp.csv"), "w") as file:
+        file.write("nm,e\n400,1\n700,1\n")
+    scene = write("lamp.scene", "wavelengths 400 700 100\nlight lamp.csv 1 direction 0 0 1\nmaterial m { diffuse 0.5 }\nobject plane 1 1 material m\n")
+    for words in ((scene, "--junit", path_of("lamp.csv")), ("patches", "--light", f"1={path_of('lamp.csv')}", "--json", path_of("lamp.csv"))):
+        refuses("a report in place of an input of a scene that ends the driver", "would replace an input", "verify", *words, "--gl", "egl",
+                SPOIL="die", LD_PRELOAD=SPOIL)
     result = run("verify", "patches", "--gl", "egl:60")
     check(result.returncode == 1 and "there is no egl:60" in result.stdout, "a device that is missing cannot draw", result.stdout, result.stderr)
     remove(path_of("stopped.json"))
