@@ -126,7 +126,7 @@ static bool verification_open(const struct options *options, struct verification
     for (int i = 0; i < out->n_scenes; i++)
         if ((i == 0 || out->scenes[i].is_file) && !read_files(options, &out->scenes[i], err))
             return false;
-    if (!find_drivers(options, out, err))
+    if (!options_check_outputs(options, err) || !find_drivers(options, out, err))
         return false;
     name_processor(out->processor, sizeof out->processor);
     const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
