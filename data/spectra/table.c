@@ -309,7 +309,7 @@ static bool read_file(const char *path, const struct wanted *wanted, struct spec
                       struct detector *detector, struct error *err)
 {
     struct tables own = {.n = 0}, *tables = wanted->table.tables ? wanted->table.tables : &own;
-    const struct table *table;
+    const struct table *table = NULL;
     int first = 0;
     bool done = find_table(tables, path, wanted->table.place, &table, err) &&
                 (detector ? take_channels(table, wanted, detector, err)
