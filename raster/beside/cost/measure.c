@@ -384,8 +384,7 @@ static bool survey(struct measurement *of, struct error *err)
     cost->observer = options_detector(of->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
                       scene_read_options(of->options, &of->scene, err) &&
-                      job_read_files(&of->scene, err) &&
-                      options_check_outputs(of->options, err) &&
+                      job_read_files(&of->scene, err) && options_check_outputs(of->options, err) &&
                       find_opengl(of->options, &cost->checked, err);
     detector_free(&observer);
     if (!done)
