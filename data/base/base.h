@@ -162,19 +162,22 @@ uint64_t counter_add(struct counter *to, uint64_t n); /* returns the number befo
 
 /* ---- pipeline.c: two stages that work side by side, one on what the other has made ---- */
 
-/* The stages share it. If `alone`, one works at a time, until it waits: there is one thread. */
+/* Two stages over one context. Set the first members, and zero the others. */
 struct pipeline {
-    bool alone;
-    bool stopped; /* a stage has failed */
+    /* Makes the next thing. Returns false behind the last one, or on failure: then *err says so. */
+    bool (*make)(void *context, struct error *err);
+    bool (*take)(void *context, struct error *err); /* takes all; false: it failed, or `make` did */
+    void *context;
+    bool alone; /* one thread: `take` calls `make` where it waits */
+    bool stopped;
+    struct error err; /* of the stage that failed first */
     pthread_mutex_t lock;
     pthread_cond_t changed;
 };
-/* A part of the work; false: it failed, or the pipeline has stopped. */
-typedef bool pipeline_stage(void *context, struct error *err);
-/* Runs two stages at the same time, one of them on this thread, and returns when both have ended.
- * If a stage fails, the other stops where it waits for it, and *err is the error of the first. */
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *here, pipeline_stage *beside,
-                  void *context, struct error *err);
+/* Runs `make` on this thread, until it has made all, and `take` on another, and returns when both
+ * have ended. Where no thread starts, both run on this one. If one fails, the other stops where it
+ * waits, and *err is the error of the first. */
+bool pipeline_run(struct pipeline *pipeline, struct error *err);
 
 /* Places that one stage fills, and another takes and frees. They say only what they hold, by
  * numbers above 0 that the stages choose; their contents belong to the stages. Zero it, but for the

@@ -1,49 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Stages that work side by side. A thread works with the lock open, and holds it only to look at
- * places. Where stages work one at a time, it is the other way round: a thread holds the lock while
- * it works, and opens it where it waits. */
+/* Stages that work side by side: one makes on this thread, one takes on another. On one thread the
+ * stage that takes lets the other one make what it waits for. */
 #include "data/base/base.h"
 
-/* Begin and end the use of places. */
-static void begin_use(struct pipeline *pipeline)
+/* Keeps the error of the stage that fails first. */
+static void stop(struct pipeline *pipeline, const struct error *err)
 {
-    if (!pipeline->alone)
-        pthread_mutex_lock(&pipeline->lock);
-}
-
-static void end_use(struct pipeline *pipeline)
-{
+    pthread_mutex_lock(&pipeline->lock);
+    if (!pipeline->stopped)
+        pipeline->err = *err;
+    pipeline->stopped = true;
     pthread_cond_broadcast(&pipeline->changed);
-    if (!pipeline->alone)
-        pthread_mutex_unlock(&pipeline->lock);
-}
-
-/* ---- a stage on its way ---- */
-
-struct worker {
-    struct pipeline *pipeline;
-    pipeline_stage *work;
-    void *context;
-    struct error *err; /* of the first stage that fails */
-};
-
-static void *run_stage(void *of)
-{
-    const struct worker *worker = of;
-    struct pipeline *pipeline = worker->pipeline;
-    struct error err = {.status = EXIT_AGREED};
-    if (pipeline->alone)
-        pthread_mutex_lock(&pipeline->lock);
-    const bool done = worker->work(worker->context, &err);
-    begin_use(pipeline);
-    if (!done && !pipeline->stopped) {
-        pipeline->stopped = true;
-        *worker->err = err;
-    }
-    end_use(pipeline);
-    if (pipeline->alone)
-        pthread_mutex_unlock(&pipeline->lock);
-    return NULL;
+    pthread_mutex_unlock(&pipeline->lock);
 }
 
 /* ---- places ---- */
@@ -59,39 +27,60 @@ static int find(const struct places *places, long number)
 int places_wait(struct places *places, long number)
 {
     struct pipeline *pipeline = places->pipeline;
-    begin_use(pipeline);
+    struct error err = {.status = EXIT_AGREED};
+    while (pipeline->alone && number > 0 && find(places, number) < 0)
+        if (!pipeline->make(pipeline->context, &err)) {
+            stop(pipeline, &err);
+            return -1;
+        }
+    pthread_mutex_lock(&pipeline->lock);
     while (!pipeline->stopped && find(places, number) < 0)
         pthread_cond_wait(&pipeline->changed, &pipeline->lock);
     const int place = pipeline->stopped ? -1 : find(places, number);
-    end_use(pipeline);
+    pthread_mutex_unlock(&pipeline->lock);
     return place;
 }
 
 void places_set(struct places *places, int place, long number)
 {
-    begin_use(places->pipeline);
+    struct pipeline *pipeline = places->pipeline;
+    pthread_mutex_lock(&pipeline->lock);
     places->holds[place] = number;
-    end_use(places->pipeline);
+    pthread_cond_broadcast(&pipeline->changed);
+    pthread_mutex_unlock(&pipeline->lock);
 }
 
 /* ---- both stages ---- */
 
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *here, pipeline_stage *beside,
-                  void *context, struct error *err)
+static void *take_all(void *of)
 {
-    struct worker first = {out, here, context, err}, second = {out, beside, context, err};
+    struct pipeline *pipeline = of;
+    struct error err = {.status = EXIT_AGREED};
+    if (!pipeline->take(pipeline->context, &err))
+        stop(pipeline, &err);
+    return NULL;
+}
+
+bool pipeline_run(struct pipeline *pipeline, struct error *err)
+{
+    struct error failure = {.status = EXIT_AGREED};
     pthread_t thread;
-    *out = (struct pipeline){.alone = alone};
-    pthread_mutex_init(&out->lock, NULL);
-    pthread_cond_init(&out->changed, NULL);
+    pthread_mutex_init(&pipeline->lock, NULL);
+    pthread_cond_init(&pipeline->changed, NULL);
     memory_allow_stacks();
-    errno = pthread_create(&thread, NULL, run_stage, &second);
-    if (errno == 0) {
-        run_stage(&first);
+    if (pipeline->alone || pthread_create(&thread, NULL, take_all, pipeline) != 0) {
+        pipeline->alone = true;
+        take_all(pipeline);
+    } else {
+        while (pipeline->make(pipeline->context, &failure)) {
+        }
+        if (failure.status != EXIT_AGREED)
+            stop(pipeline, &failure);
         pthread_join(thread, NULL);
-    } else
-        out->stopped = !error_system(err, "cannot start a thread");
-    pthread_cond_destroy(&out->changed);
-    pthread_mutex_destroy(&out->lock);
-    return !out->stopped;
+    }
+    pthread_cond_destroy(&pipeline->changed);
+    pthread_mutex_destroy(&pipeline->lock);
+    if (pipeline->stopped)
+        *err = pipeline->err;
+    return !pipeline->stopped;
 }

@@ -18,6 +18,9 @@ struct state {
     struct places numbers, frames;
     struct counted counted, written; /* by this pass; by the one before, to be written beside it */
     struct check *checks;            /* one for each chunk of the current tile; NULL: none */
+    int *first_bands;                /* of a tile's frames, in the order of drawing; owned */
+    int drawing, drawn;              /* the tile that is drawn next; of its frames; -1: not yet its
+                                        numbers */
     int tile;                        /* how many are judged */
     int frame, place;                /* the current frame, and where it is; DARK: none */
     float *black;                    /* a row of a frame that is not drawn; owned */
@@ -85,40 +88,52 @@ static bool draw_batch(struct state *state, int tile, struct frame_batch *batch,
     return true;
 }
 
-static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
+/* Aims at the next tile, and draws its numbers. */
+static bool draw_first(struct state *state, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
-    const struct rectangle at = plan_tile(state->plan, &state->of->region, tile);
+    const struct rectangle at = plan_tile(state->plan, &state->of->region, state->drawing);
     if (renderer->kind->aim)
         renderer->kind->aim(renderer, &at);
-    if (state->plan->options.check && !draw_numbers(state, tile, err))
-        return false;
-    const int n_frames = state->plan->passes.n_frames;
-    for (int i = 0; i < n_frames;) {
-        struct frame_batch batch = {.n = 0};
-        while (batch.n < renderer->n_at_once && i < n_frames)
-            batch.first_bands[batch.n++] = first_bands[i++];
-        if (!draw_batch(state, tile, &batch, err))
-            return false;
-    }
-    return true;
+    return !state->plan->options.check || draw_numbers(state, state->drawing, err);
 }
 
-static bool draw_tiles(void *context, struct error *err)
+/* Draws the numbers of a tile, or its next batch of frames: see struct pipeline. */
+static bool draw_next(void *context, struct error *err)
 {
     struct state *state = context;
+    const int n_frames = state->plan->passes.n_frames;
+    struct frame_batch batch = {.n = 0};
+    if (state->drawing == plan_tiles(state->plan, &state->of->region))
+        return false;
+    bool done;
+    if (state->drawn < 0) {
+        done = draw_first(state, err);
+        state->drawn = 0;
+    } else {
+        while (batch.n < state->of->renderer->n_at_once && state->drawn < n_frames)
+            batch.first_bands[batch.n++] = state->first_bands[state->drawn++];
+        done = draw_batch(state, state->drawing, &batch, err);
+    }
+    if (state->drawn == n_frames) {
+        state->drawing++;
+        state->drawn = -1;
+    }
+    return done;
+}
+
+/* Frames with pilots come first. */
+static bool order_frames(struct state *state, struct error *err)
+{
     const struct plan *plan = state->plan;
-    const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
-    int *first_bands, n = 0; /* of a tile's frames; those with pilots come first */
-    bool done = MAKE_ARRAY(first_bands, n_frames, err, "the order of passes");
-    for (int with = 1; with >= 0 && done; with--)
+    int n = 0;
+    if (!MAKE_ARRAY(state->first_bands, plan->passes.n_frames, err, "the order of passes"))
+        return false;
+    for (int with = 1; with >= 0; with--)
         for (int pass = 0, frame = 0; pass < plan->n_passes; pass++)
             if (plan->passes.frame[pass] == frame && has_pilots(state, frame++) == with)
-                first_bands[n++] = pass * BANDS_PER_PASS;
-    for (int i = 0; i < n_tiles && done; i++)
-        done = draw_tile(state, i, first_bands, err);
-    free(first_bands);
-    return done;
+                state->first_bands[n++] = pass * BANDS_PER_PASS;
+    return true;
 }
 
 /* ---- a tile's chunks ---- */
@@ -473,7 +488,8 @@ static bool allocate(struct state *state, struct error *err)
     const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
                  size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes,
                  most = size > map ? size : map;
-    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture"))
+    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
+        !order_frames(state, err))
         return false;
     for (int i = 0; i < BANDS_PER_PASS && state->of->output->path; i++)
         if (!MAKE_ARRAY(state->counted.samples[i], n_samples * most, err, "a page of a tile") ||
@@ -484,23 +500,25 @@ static bool allocate(struct state *state, struct error *err)
 
 static void release(struct state *state)
 {
-    free(state->black);
+    FREE_ALL(state->black, state->first_bands);
     for (int i = 0; i < BANDS_PER_PASS; i++)
         FREE_ALL(state->counted.samples[i], state->written.samples[i]);
 }
 
 bool stages_run(struct rendering *of, struct error *err)
 {
-    struct pipeline pipeline;
-    struct state state = {.of = of, .plan = of->plan, .frame = DARK};
+    struct state state = {.of = of, .plan = of->plan, .frame = DARK, .drawn = -1};
+    struct pipeline pipeline = {.make = draw_next,
+                                .take = treat_tiles,
+                                .context = &state,
+                                .alone = of->plan->options.threads == 1};
     state.numbers = (struct places){.pipeline = &pipeline, .n = 1};
     state.frames = (struct places){.pipeline = &pipeline,
                                    .n = (of->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES) +
                                         (of->renderer ? of->renderer->n_at_once - 1 : 0)};
     bool done = allocate(&state, err);
     if (done && of->renderer) /* OpenGL's context is this thread's */
-        done = pipeline_run(&pipeline, of->plan->options.threads == 1, draw_tiles, treat_tiles,
-                            &state, err);
+        done = pipeline_run(&pipeline, err);
     else
         done = done && treat_tiles(&state, err);
     release(&state);

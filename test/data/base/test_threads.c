@@ -72,9 +72,10 @@ struct numbers {
     long made_at[PLACES];
     int n, ahead; /* how many; so many places are looked at before the first is freed */
     int fails;    /* a stage, at half of the numbers; or NO_FAILURE */
-    long taken;   /* how many came, in order */
-    bool right;   /* all of them */
-    bool slow;    /* the first stage sleeps for 0.1 s before each number */
+    int n_made;
+    long taken; /* how many came, in order */
+    bool right; /* all of them */
+    bool slow;  /* the first stage sleeps for 0.1 s before each number */
 };
 
 static bool fail_at(const struct numbers *of, int which, int i, struct error *err)
@@ -83,18 +84,16 @@ static bool fail_at(const struct numbers *of, int which, int i, struct error *er
            error_usage(err, "stage %d fails at %d", which, i);
 }
 
-static bool make_numbers(void *context, struct error *err)
+static bool make_number(void *context, struct error *err)
 {
     struct numbers *of = context;
-    for (int i = 0; i < of->n; i++) {
-        const int place = places_wait(&of->made, 0);
-        if (place < 0 || !fail_at(of, MADE, i, err))
-            return false;
-        if (of->slow)
-            nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
-        of->made_at[place] = i;
-        places_set(&of->made, place, i + 1);
-    }
+    const int i = of->n_made, place = i < of->n ? places_wait(&of->made, 0) : -1;
+    if (place < 0 || !fail_at(of, MADE, i, err))
+        return false;
+    if (of->slow)
+        nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    of->made_at[place] = of->n_made++;
+    places_set(&of->made, place, i + 1);
     return true;
 }
 
@@ -119,8 +118,10 @@ static bool run(struct numbers *of, bool alone, struct error *err)
 {
     of->made = (struct places){.pipeline = &of->pipeline, .n = PLACES};
     of->right = true;
+    of->pipeline =
+        (struct pipeline){.make = make_number, .take = take_numbers, .context = of, .alone = alone};
     *err = (struct error){.status = EXIT_AGREED};
-    return pipeline_run(&of->pipeline, alone, make_numbers, take_numbers, of, err);
+    return pipeline_run(&of->pipeline, err);
 }
 
 static void test_stages(void)
