@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -46,11 +47,11 @@ static inline char *realpath(const char *path, char *out)
     return out ? strcpy(out, path) : strdup(path);
 }
 
+/* No other process takes the name. */
 static inline char *mkdtemp(char *name)
 {
-    (void)name;
-    errno = ENOSYS;
-    return NULL;
+    memset(name + strlen(name) - 6, '0', 6);
+    return mkdir(name, 0700) == 0 ? name : NULL;
 }
 
 #endif

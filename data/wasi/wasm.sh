@@ -15,7 +15,7 @@ wasm_build() (
     need $wasm_packages
     CC='clang --target=wasm32-wasi --sysroot=/usr' CFLAGS='' LDFLAGS='' GL=none BUILD=$BUILD/wasm threads= kind=
     CPPFLAGS="$wasm_emulated -isystem data/wasi -include data/wasi/missing.h"
-    left_out='/(hard|viewer)/'
+    left_out='/viewer/'
     prepare
     find_sources
     sources="$(printf '%s\n' $sources | grep -Ev '^data/(base/(guard|process)|files/unpack)[.]c') $(echo data/wasi/no_*.c)"

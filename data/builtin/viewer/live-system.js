@@ -252,11 +252,15 @@ class System {
   path_remove_directory(fd, at, length) {
     return this.files.delete(this.path(fd, at, length)) ? 0 : ERRNO.noent;
   }
+  /* A folder takes its files along. */
   path_rename(fd, at, length, to_fd, to_at, to_length) {
     const from = this.path(fd, at, length), to = this.path(to_fd, to_at, to_length);
     if (!this.files.has(from)) return ERRNO.noent;
-    this.files.set(to, this.files.get(from));
-    if (from !== to) this.files.delete(from);
+    for (const [path, file] of [...this.files]) {
+      if (from === to || (path !== from && !path.startsWith(from + "/"))) continue;
+      this.files.delete(path);
+      this.files.set(to + path.slice(from.length), file);
+    }
     return 0;
   }
   path_unlink_file(fd, at, length) {
