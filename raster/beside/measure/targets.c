@@ -207,6 +207,20 @@ static bool narrow(struct targets *of, struct error *err)
     return judge(of, &driver->watertight, err);
 }
 
+enum { DETAIL_RULES = 4 };
+static const struct driver *detail_driver(int rule)
+{
+    return driver_of(rule < 2 ? "llvmpipe" : "softpipe");
+}
+
+static void set_detail(struct driver *driver, int rule)
+{
+    driver->detail = detail_driver(rule)->detail;
+    driver->detail_error = 0;
+    driver->detail.lower = driver->detail.lower != rule % 2;
+    driver->detail.first_row = rule % 2;
+}
+
 /* Finds the rule for the level of detail: that of a driver of Mesa's, or the same in a picture that
  * is drawn the other way up. Rows then pair from the other end, which the targets show by their odd
  * number of rows. Another driver may have any rule that OpenGL allows. */
@@ -214,20 +228,22 @@ static bool find_detail(struct targets *of, struct error *err)
 {
     struct driver *driver = &of->kept.driver;
     const struct driver given = *driver;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < DETAIL_RULES; i++) {
         bool agrees;
-        const struct driver *known = driver_of(i < 2 ? "llvmpipe" : "softpipe");
-        if (driver_is_known(&given) && strcmp(given.name, known->name) != 0)
+        if (driver_is_known(&given) && strcmp(given.name, detail_driver(i)->name) != 0)
             continue;
-        driver->detail = known->detail;
-        driver->detail_error = 0;
-        driver->detail.lower = driver->detail.lower != i % 2;
-        driver->detail.first_row = i % 2;
+        set_detail(driver, i);
         if (!judge(of, &agrees, err) || agrees)
             return agrees;
     }
     *driver = given;
     return true;
+}
+
+static void set_measured(struct driver *out)
+{
+    out->name = "measured";
+    out->is_measured = true;
 }
 
 bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
@@ -238,8 +254,7 @@ bool targets_measure(const struct render_foreign *source, const struct plan_opti
     if (done) {
         of.kept.driver = *out;
         if (!driver_is_known(out)) {
-            of.kept.driver.name = "measured";
-            of.kept.driver.is_measured = true;
+            set_measured(&of.kept.driver);
             done = narrow(&of, err);
         }
         done = done && find_detail(&of, err);
@@ -261,6 +276,35 @@ bool driver_measure(const struct plan_options *by, struct driver *out, struct er
     const struct render_foreign here = {.open = open_here};
     *out = *driver_of(NULL);
     return targets_measure(&here, by, out, err);
+}
+
+/* ---- in numbers ---- */
+
+void traits_numbers(const struct driver *of, struct printed *to)
+{
+    struct driver driver = *of;
+    for (int t = 0; t < TRAITS; t++)
+        print(to, "%.17g ", *trait_of(&driver, t));
+    print(to, "%d %d\n", of->watertight,
+          of->detail_error < 0 ? -1 : 2 * of->detail.largest + of->detail.first_row);
+}
+
+bool traits_read(struct text *text, struct driver *out, struct error *err)
+{
+    long watertight, rule;
+    *out = *driver_of(NULL);
+    set_measured(out);
+    for (int t = 0; t < TRAITS; t++)
+        if (!text_number(text, traits[t].name, traits[t].least, 2 * traits[t].most,
+                         trait_of(out, t), err))
+            return false;
+    if (!text_integer(text, "0 or 1", 0, 1, &watertight, err) ||
+        !text_integer(text, "a rule for levels of detail", -1, DETAIL_RULES - 1, &rule, err))
+        return false;
+    out->watertight = watertight != 0;
+    if (rule >= 0)
+        set_detail(out, (int)rule);
+    return text_end(text, "driver", err);
 }
 
 /* ---- in words ---- */

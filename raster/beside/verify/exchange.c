@@ -17,10 +17,11 @@ const char targets_prefix[] = "targets-";
 struct drawn {
     struct renderer renderer; /* the first member */
     const struct plan *plan;
-    const struct foreign_pixels *pixels;
+    struct foreign_pixels *pixels;
     char path[4096 + 64]; /* of drawn.txt */
     char id[DIGEST_TEXT]; /* that drawn.txt has, and its place there */
     struct place id_place;
+    struct driver stated; /* measured before; its name is NULL where drawn.txt does not have it */
     long bits[2];     /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
     float *numbers;   /* 4 a pixel; 0, as the background's, where the folder has none; owned */
     uint32_t *depths; /* likewise */
@@ -48,6 +49,7 @@ enum drawn_word {
     DRAWN_SIZE,
     DRAWN_SUBPIXEL_BITS,
     DRAWN_DEPTH_BITS,
+    DRAWN_DRIVER,
     DRAWN_WORDS
 };
 
@@ -69,7 +71,7 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
                       struct error *err)
 {
     static const char *const known[] = {
-        "id", "renderer", "version", "size", "subpixel-bits", "depth-bits", NULL};
+        "id", "renderer", "version", "size", "subpixel-bits", "depth-bits", "driver", NULL};
     struct renderer_names *names = &out->renderer.names;
     struct word word;
     if (!text_word(text, &word))
@@ -95,6 +97,8 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
         return text_integer(text, "a number of bits", 4, 32,
                             &out->bits[which - DRAWN_SUBPIXEL_BITS], err) &&
                text_end(text, known[which], err);
+    case DRAWN_DRIVER:
+        return traits_read(text, &out->stated, err);
     default:
         return false;
     }
@@ -199,13 +203,14 @@ static bool read_folder(struct drawn *of, struct error *err)
     return done;
 }
 
-/* Finds the driver by which the pixels are judged: a known one of that name; one that is measured
- * by its targets; one as wide as the bits of drawn.txt say, since OpenGL may cut a position off to
- * its grid, and values run through corners that are moved so. Depth of fewer than 24 bits rounds to
- * a step of its own. Where a known one drew no targets, its program may draw upside down. */
+/* Finds the driver by which the pixels are judged: one that was measured before, or is by its
+ * targets; a known one of that name; one as wide as the bits of drawn.txt say, since OpenGL may cut
+ * a position off to its grid, and values run through corners that are moved so. Depth of fewer than
+ * 24 bits rounds to a step of its own. Where a known one drew no targets, its program may draw
+ * upside down. */
 static bool find_driver(const struct drawn *of, struct driver *out, struct error *err)
 {
-    struct foreign_pixels pixels = {of->pixels->path, targets_prefix};
+    struct foreign_pixels pixels = {.path = of->pixels->path, .prefix = targets_prefix};
     const struct render_foreign targets = {.open = drawn_open, .of = &pixels};
     char path[sizeof of->path];
     struct stat status;
@@ -213,10 +218,13 @@ static bool find_driver(const struct drawn *of, struct driver *out, struct error
     snprintf(path, sizeof path, "%.4095s/%sdrawn.txt", pixels.path, pixels.prefix);
     if (of->pixels->prefix[0]) /* these are the targets */
         return true;
-    if (stat(path, &status) == 0) {
-        if ((!driver_is_known(out) || plan_has_mipmaps(of->plan)) &&
-            !targets_measure(&targets, NULL, out, err))
+    if (of->stated.name || stat(path, &status) == 0) {
+        if (of->stated.name)
+            *out = of->stated;
+        else if ((!driver_is_known(out) || plan_has_mipmaps(of->plan)) &&
+                 !targets_measure(&targets, NULL, out, err))
             return false;
+        of->pixels->driver = *out;
         out->detail.first_row &= of->plan->view.height % 2;
         return true;
     }

@@ -43,8 +43,9 @@ bool interval_write(const struct lit_scene *lit, const struct interval_file *to,
 
 extern const char targets_prefix[]; /* of the files of the targets */
 struct foreign_pixels {
-    const char *path;   /* the folder */
-    const char *prefix; /* of the names of the files there: "", or targets_prefix */
+    const char *path;     /* the folder */
+    const char *prefix;   /* of the names of the files there: "", or targets_prefix */
+    struct driver driver; /* a finding, once they are opened: the one that was measured */
 };
 /* Opens struct foreign_pixels as a renderer: see struct render_foreign. */
 bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,

@@ -80,7 +80,8 @@ static bool judge_pixels(struct options *options, struct options *exported, cons
                          struct error *err)
 {
     const struct render_options *own = options->own;
-    struct foreign_pixels drawn = {pixels, ""};
+    struct foreign_pixels drawn = {.path = pixels, .prefix = ""};
+    struct printed numbers = {.text = NULL};
     const struct render_foreign foreign = {.open = drawn_open, .of = &drawn};
     const struct render_output output = {
         .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
@@ -92,7 +93,12 @@ static bool judge_pixels(struct options *options, struct options *exported, cons
     exported->threads = options->threads;
     exported->quiet = options->quiet;
     exported->verbose = options->verbose;
-    return render_with_options(exported, &output, NULL, err);
+    const bool done = render_with_options(exported, &output, NULL, err);
+    if (!drawn.driver.is_measured || !options->verbose)
+        return done;
+    print_text(&numbers, "driver            ");
+    traits_numbers(&drawn.driver, &numbers);
+    return printed_show(&numbers, options_table(options, NULL), err) && done;
 }
 
 static bool run_judge(struct options *options, struct error *err)
