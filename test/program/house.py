@@ -31,8 +31,8 @@ ROOMS = """
     raster/reference raster/visibility raster/renderers raster/plan raster/bounds raster/volumes raster/candidates raster/counts
     raster/check
     raster/gl raster/render
-    raster/beside/shader raster/beside/measure raster/beside/colour raster/beside/accuracy raster/beside/verify
-    raster/beside/see raster/beside/cost raster/beside/view
+    raster/beside/shader raster/beside/measure raster/beside/colour raster/beside/accuracy raster/beside/see
+    raster/beside/cost raster/beside/view raster/beside/verify
     """.split()
 BESIDE = "raster/beside"  # the folder of the rooms that the core does not know, and of the tables of programs
 MOST_ROOMS = 29  # two of them for shadows

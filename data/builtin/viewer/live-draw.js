@@ -41,54 +41,13 @@ function go_back(from, to) {
 
 /* ---- workers ---- */
 
-class Drawer {
-  constructor(module) {
-    this.worker = new Worker(worker_address());
-    this.waiting = new Map();
-    this.files = {};
-    this.number = 0;
-    this.since = null; /* when it began to draw; null: it is idle */
-    this.worker.onmessage = ({data}) => {
-      const answer = this.waiting.get(data.id);
-      this.waiting.delete(data.id);
-      answer(data);
-    };
-    this.ask({task: "start", module});
-  }
-
-  ask(message, moved = []) {
-    return new Promise(then => {
-      this.waiting.set(++this.number, then);
-      this.worker.postMessage({...message, id: this.number}, moved);
-    });
-  }
-
-  /* Sends the files of a state that the worker has not. */
-  send_files(files) {
-    const changed = Object.entries(files).filter(([name, content]) => this.files[name] !== content);
-    const gone = Object.keys(this.files).filter(name => !(name in files));
-    if (changed.length + gone.length > 0) this.ask({task: "files", files: Object.fromEntries(changed), gone});
-    this.files = files;
-  }
-
-  end() {
-    this.worker.terminate();
-    for (const answer of this.waiting.values()) answer({error: "stopped"});
-  }
+class Drawer extends Program {
+  since = null; /* when it began to draw; null: it is idle */
 }
 
 let compiled = null; /* the module */
 let drawers = [];
 const MOST_DRAWERS = 4;
-
-/* The workers run the scripts that they share with the page, and their own. */
-function worker_address() {
-  if (!worker_address.made) {
-    const texts = [...document.querySelectorAll("script.shared"), element("worker")].map(script => script.textContent);
-    worker_address.made = URL.createObjectURL(new Blob(['"use strict";\n', ...texts], {type: "text/javascript"}));
-  }
-  return worker_address.made;
-}
 
 function start_drawers() {
   const n = clamp((navigator.hardwareConcurrency || 2), 1, MOST_DRAWERS);

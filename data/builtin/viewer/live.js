@@ -542,13 +542,8 @@ async function show_gallery() {
 /* ---- the start ---- */
 
 async function read_start() {
-  const start = JSON.parse(element("start").textContent), all = await unpack(element("files").textContent, "deflate"), files = {};
-  let at = 0;
-  for (const {name, length, also} of start.files) {
-    const bytes = all.subarray(at, at += length);
-    files[name] = bytes.includes(0) ? bytes.slice() : new TextDecoder().decode(bytes);
-    if (also) files[also] = files[name];
-  }
+  const start = JSON.parse(element("start").textContent), bytes = await unpack(element("files").textContent, "deflate");
+  const files = read_files(start.files, {bytes, at: 0});
   start_words = start.options;
   return {scene: start.scene, words: start.options, files, baked: false, gallery: start.gallery};
 }

@@ -23,14 +23,6 @@ function set_shape(new_shape) {
   n_positions = n_pixels * side * side;
 }
 
-/* Decodes base64, and what it compresses; format: deflate or gzip. */
-async function unpack(text, format) {
-  const packed = atob(text), bytes = new Uint8Array(packed.length);
-  for (let i = 0; i < packed.length; i++) bytes[i] = packed.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
 /* Reads the head of the program's data: the length of a JSON text in 11 digits, a line's end, and the text. `first` is the
  * place of the samples behind it. */
 function read_head(bytes) {

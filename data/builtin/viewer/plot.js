@@ -166,13 +166,5 @@ function values_csv(curves) {
   return [head, ...rows].map(row => row.join(",") + "\n").join("");
 }
 
-function save_as(blob, name) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name.replace(/^.*[/]/, "");
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-}
-
 const save = (blob, ending) => save_as(blob, scene.scene.replace(/^.*[/]/, "").replace(/[.][^.]*$/, "") + ending);
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The page: its controls, the picked pixel, its start. */
 
-const element = id => document.getElementById(id);
-
 /* ---- controls ---- */
 
 const canvas = element("picture");
@@ -93,10 +91,6 @@ const wanted_exposure = () => element("auto").checked ? null : amount("exposure"
 /* ---- facts ---- */
 
 let sources, eye, white, exposure;
-
-function set_text(id, text) {
-  if (element(id).textContent !== text) element(id).textContent = text;
-}
 
 /* Numbers are written as the reader's language writes them. */
 const with_decimals = digits => new Intl.NumberFormat(undefined,

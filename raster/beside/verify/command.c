@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "raster/beside/verify/inside.h"
+#include "raster/beside/view/view.h"
 
 struct verify_options {
     struct render_options render; /* the first member */
@@ -338,6 +339,33 @@ static bool report(const struct verification *of, struct options *options, struc
            conclude(of, own->expect, err);
 }
 
+/* ---- a page ---- */
+
+/* Writes a page that verifies the scenes where it is opened. */
+static bool write_page(struct options *options, const struct verification *of, struct error *err)
+{
+    const struct verify_options *own = options->own;
+    struct page_scene *scenes;
+    if (!has_live_pages())
+        return error_usage(err, "--page needs a program that holds itself for browsers; "
+                                "./build.sh live makes one");
+    if (own->render.gl || own->render.renderer || own->render.buffer || own->junit || own->expect ||
+        own->list || options->json)
+        return error_usage(err, "--page draws nothing here, by the GPU of the browser that opens "
+                                "it; it takes scenes and their options, --strict and --unchecked");
+    if (!MAKE_ARRAY(scenes, of->n_scenes, err, "the scenes of a page"))
+        return false;
+    for (int i = 0; i < of->n_scenes; i++) {
+        const struct verify_scene *scene = &of->scenes[i];
+        const char *kind = scene->is_hard ? "hard" : scene->is_file ? "file" : "built-in";
+        scenes[i] = (struct page_scene){scene->name, scene->path, kind};
+    }
+    const bool done = verifier_write(options, scenes, of->n_scenes, err) &&
+                      options_show_output(options, "page", options->output, err);
+    free(scenes);
+    return done;
+}
+
 /* ---- the command ---- */
 
 static bool run_verify(struct options *options, struct error *err)
@@ -350,7 +378,9 @@ static bool run_verify(struct options *options, struct error *err)
     if (own->list && (options->json || own->junit))
         return error_usage(err, "--list draws nothing, and has no report to write");
     bool done = find_scenes(options, &of, err);
-    if (done && own->list)
+    if (done && options->output)
+        done = write_page(options, &of, err);
+    else if (done && own->list)
         done = print_scenes(&of, err);
     else if (done) {
         const double start = clock_seconds();
@@ -371,6 +401,9 @@ static const struct option verify_rows[] = {
      OWN(TEXT, verify_options, expect)},
     {"--limit SECONDS", "gives up a picture after this time (default: 120)",
      OWN(NUMBER, verify_options, limit), .lowest = 1, .highest = 1e6},
+    {"--page PAGE.html",
+     "writes a page that verifies the GPU of the browser that opens it, and draws nothing",
+     SHARED(TEXT, output), .writes = true},
     {"--list", "prints the names of the scenes, and draws none", OWN(FLAG, verify_options, list)},
 };
 const struct command verify_command = {

@@ -95,9 +95,6 @@ void put_head(struct printed *to, char *json);
 
 /* ---- viewer.c: a page from its parts ---- */
 
-/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
- * writes live pages. */
-bool has_live_pages(void);
 /* Put an element of a page's data: a text in JSON, which it frees; bytes, deflated (RFC 1950), in
  * base64 (RFC 4648). A text that is NULL, or a failure to pack, leaves *err: then no page is
  * written.
@@ -105,7 +102,7 @@ bool has_live_pages(void);
 void put_json(struct printed *to, const char *id, char *json);
 void put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err);
-enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE };
+enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE, PAGE_VERIFIER };
 struct page_parts {
     enum page_kind kind;
     struct printed data; /* elements that put_json and put_packed make */

@@ -153,38 +153,84 @@ static bool add_file(const struct options *options, const struct scene *scene,
     return true;
 }
 
-/* Describes the start of a page. The bytes of all files, one after the other, are added to *bytes.
- */
-static char *start_json(const struct options *options, const struct scene *scene,
-                        struct printed *bytes, struct error *err)
+/* Puts a scene, its options and its files. The bytes of all files, one after the other, are added
+ * to *bytes. */
+static bool put_scene(const struct options *options, const struct scene *scene, struct json *json,
+                      struct printed *bytes, struct error *err)
 {
     struct page_files files = {.list = NULL};
-    struct json json;
-    json_begin(&json);
-    json_string(&json, "program", PROGRAM);
-    json_string(&json, "scene", page_name(path_name(scene->path)));
-    json_truth(&json, "gallery", ((const struct view_options *)options->own)->gallery);
-    json_strings(&json, "options", (const char *const *)options->recorded, options->n_recorded);
-    json_open(&json, "files", '[');
+    const bool builtin = path_is_builtin(scene->files[0].path); /* such a name may have a folder */
+    json_string(json, "scene", builtin ? scene->path : page_name(path_name(scene->path)));
+    json_strings(json, "options", (const char *const *)options->recorded, options->n_recorded);
+    json_open(json, "files", '[');
     bool done = page_files_make(scene, options->detector, &files, err);
     for (int i = 0; done && i < files.n; i++)
-        done = add_file(options, scene, &files.list[i], &json, bytes, err);
+        done = add_file(options, scene, &files.list[i], json, bytes, err);
     page_files_free(&files);
-    json_close(&json, ']');
-    return json_take(&json, err);
+    json_close(json, ']');
+    return done;
 }
 
-/* ---- the page ---- */
+/* ---- the pages ---- */
+
+/* Frees *bytes. */
+static bool write_page(struct page_parts *parts, struct json *start, struct printed *bytes,
+                       struct options *options, size_t *size, struct error *err)
+{
+    put_json(&parts->data, "start", json_take(start, err));
+    char *files = printed_take(bytes, err);
+    if (files)
+        put_packed(&parts->data, "files", files, bytes->length, err);
+    free(files);
+    return page_write(parts, options, size, err);
+}
 
 bool live_write(struct viewing *view, struct error *err)
 {
     struct page_parts parts = {.kind = PAGE_LIVE};
     struct printed bytes = {.text = NULL};
+    struct json json;
+    json_begin(&json);
+    json_string(&json, "program", PROGRAM);
+    json_truth(&json, "gallery", ((const struct view_options *)view->options->own)->gallery);
     if (put_first(view, &parts, err))
-        put_json(&parts.data, "start", start_json(view->options, view->plan->scene, &bytes, err));
-    char *files = printed_take(&bytes, err);
-    if (files)
-        put_packed(&parts.data, "files", files, bytes.length, err);
-    free(files);
-    return page_write(&parts, view->options, &view->bytes, err);
+        put_scene(view->options, view->plan->scene, &json, &bytes, err);
+    return write_page(&parts, &json, &bytes, view->options, &view->bytes, err);
+}
+
+static bool put_verified(const struct options *options, const struct page_scene *of,
+                         struct json *json, struct printed *bytes, struct error *err)
+{
+    struct options alone = *options;
+    struct scene scene;
+    char *marked = marked_name(of->path, err);
+    alone.operand = alone.operands[0] = marked;
+    alone.n_operands = 1;
+    json_open(json, NULL, '{');
+    json_string(json, "name", of->name);
+    json_string(json, "kind", of->kind);
+    const bool done = marked && scene_read_options(&alone, &scene, err) &&
+                      put_scene(&alone, &scene, json, bytes, err);
+    json_close(json, '}');
+    if (marked)
+        scene_free(&scene);
+    free(marked);
+    return done;
+}
+
+bool verifier_write(struct options *options, const struct page_scene *scenes, int n,
+                    struct error *err)
+{
+    struct page_parts parts = {.kind = PAGE_VERIFIER};
+    struct printed bytes = {.text = NULL};
+    struct json json;
+    size_t size;
+    json_begin(&json);
+    json_string(&json, "program", PROGRAM);
+    json_open(&json, "scenes", '[');
+    for (int i = 0; i < n; i++)
+        if (!put_verified(options, &scenes[i], &json, &bytes, err))
+            break;
+    json_close(&json, ']');
+    return write_page(&parts, &json, &bytes, options, &size, err);
 }

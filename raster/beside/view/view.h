@@ -14,4 +14,20 @@
  * of objects and lights. */
 extern const struct command view_command;
 
+/* ---- live.c: a page that verifies the GPU of its browser ---- */
+
+struct page_scene {
+    const char *name; /* that the page shows */
+    const char *path; /* as SCENE of render */
+    const char *kind; /* built-in: drawn at the page's size; hard: at its own; file */
+};
+/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
+ * writes live pages. */
+bool has_live_pages(void);
+/* Writes a page to options->output that holds this program and n scenes, changed as the options
+ * say: it draws them by WebGL2, and judges each. Fails, and writes nothing, where a scene cannot be
+ * read. */
+bool verifier_write(struct options *options, const struct page_scene *scenes, int n,
+                    struct error *err);
+
 #endif

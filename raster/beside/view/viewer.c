@@ -96,10 +96,10 @@ struct page {
 
 static void put_file(struct page *page, const char *name);
 
-/* Returns whether a file is for pages of other kinds. */
+/* Returns whether a file is for pages of other kinds; those that hold the program come last. */
 static bool is_left_out(const struct page *page, const char *name)
 {
-    return (page->parts->kind != PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
+    return (page->parts->kind < PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
            (page->parts->kind == PAGE_STILL && strncmp(name, "stack", 5) == 0);
 }
 
@@ -125,7 +125,7 @@ static void put_frame(struct page *page)
 /* Puts what a mark stands for. */
 static void put_marked(struct page *page, const char *name)
 {
-    const bool live = page->parts->kind == PAGE_LIVE;
+    const bool live = page->parts->kind >= PAGE_LIVE;
     if (strcmp(name, "data") == 0)
         print_bytes(&page->text, page->parts->data.text, page->parts->data.length);
     else if (strcmp(name, "body") == 0)
@@ -160,11 +160,11 @@ static void put_file(struct page *page, const char *name)
 
 bool page_write(struct page_parts *parts, struct options *options, size_t *bytes, struct error *err)
 {
-    const struct builtin_file *module = parts->kind == PAGE_LIVE ? find_module() : NULL;
+    const struct builtin_file *module = parts->kind >= PAGE_LIVE ? find_module() : NULL;
     if (module)
         put_base64(&parts->data, "module", module->bytes, module->length);
     struct page page = {.parts = parts, .err = err};
-    put_file(&page, "page.html");
+    put_file(&page, parts->kind == PAGE_VERIFIER ? "live-verify.html" : "page.html");
     free(printed_take(&parts->data, err)); /* says whether the data are whole */
     free(parts->first);
     *bytes = page.text.length;
