@@ -69,6 +69,7 @@ dist() {
         [ ! -d "$folder" ] || cp -R "$folder" "$BUILD/$name/data"
     done
     licences "$BUILD/$name/licences"
+    "$BUILD/$name/spectral" verify --page "$BUILD/$name/gpu.html" >/dev/null
     (cd "$BUILD/$name" && find . -type f | sort | xargs sha256sum >../SHA256SUMS && mv ../SHA256SUMS .)
     tar -C "$BUILD" -c --sort=name --mtime="$(sed -n 's/^[.]Dd //p' spectral.1) UTC" --owner=0 --group=0 \
         --numeric-owner --mode=u=rwX,go=rX "$name" | gzip -9n >"$BUILD/$name.tar.gz.new"

@@ -33,7 +33,7 @@ tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "SHA256SUMS lists each file with its SHA-256"
-for file in spectral spectral.1 spectral.5 README.md LICENSE CHANGELOG.md data/builtin/scenes/room.scene data/gallery/room.png \
+for file in spectral gpu.html spectral.1 spectral.5 README.md LICENSE CHANGELOG.md data/builtin/scenes/room.scene data/gallery/room.png \
     data/completion/spectral.bash data/completion/_spectral data/samples/my.scene data/doc/recipes.md; do
     [ -s "$release/$file" ]
     ok $? "the archive holds $file"

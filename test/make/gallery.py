@@ -107,7 +107,17 @@ def difference(folder):
     run("compare", "vertices.tif", "pixels.tif", "--map", os.path.abspath(os.path.join(folder, "difference.png")), "--tolerance", "20dE00")
 
 
-OTHERS = {"room-checked": room_checked, "metamers": metamers, "difference": difference}
+def gpu(folder):
+    """The page of `verify --page` by Mesa's llvmpipe."""
+    page = os.path.join(WORK, "gpu.html")
+    subprocess.run([SPECTRAL + "-live", "verify", "--page", page], check=True, stdout=subprocess.DEVNULL)
+    browser = Browser(os.path.join(WORK, "browser"), ("--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-gpu"))
+    browser.size(1100, 560)
+    browser.open(page)
+    save_shot(browser, folder, "gpu")
+
+
+OTHERS = {"room-checked": room_checked, "metamers": metamers, "difference": difference, "gpu": gpu}
 
 
 def plot_size(path):
@@ -127,6 +137,10 @@ def see(folder, name, command, ending, size, click):
         browser.wait("document.getElementById('gallery').hidden || document.body.dataset.gallery === 'true'")
         browser.click(*click)
         browser.evaluate("new Promise(requestAnimationFrame)")
+    save_shot(browser, folder, name)
+
+
+def save_shot(browser, folder, name):
     shot = browser.send("Page.captureScreenshot", format="png")["data"]
     browser.close()
     with Image.open(io.BytesIO(base64.b64decode(shot))) as image:  # 256 colours are enough for pages and plots

@@ -115,16 +115,17 @@ class Page:
 
 
 class Browser(Page):
-    """`complaints` collects the page's errors, `requests` the addresses that it requests."""
+    """`complaints` collects the page's errors, `requests` the addresses that it requests. `gpu`: options that choose a GPU; without,
+    there is none. `before` is a script that runs before those of each page."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, gpu=("--disable-gpu",), before=""):
         self.complaints, self.requests, self.number, self.session = [], [], 0, None
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
         self.downloads = os.path.abspath(folder)
         (their_in, self.to), (self.back, their_out) = os.pipe(), os.pipe()
         self.process = subprocess.Popen(
-            ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            ["chromium", "--headless=new", "--no-sandbox", *gpu, "--no-first-run",
              "--remote-debugging-pipe", f"--user-data-dir={self.downloads}/profile"],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             close_fds=False, preexec_fn=lambda: self.give_pipes(their_in, their_out))
@@ -135,6 +136,7 @@ class Browser(Page):
         self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.send(domain + ".enable")
+        self.send("Page.addScriptToEvaluateOnNewDocument", source=before)
         self.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=self.downloads)
 
     @staticmethod
@@ -256,9 +258,10 @@ class Browser(Page):
 
 
 class Firefox(Page):
-    """A page in a headless Firefox, controlled over Marionette, its protocol of length:JSON messages."""
+    """A page in a headless Firefox, controlled over Marionette, its protocol of length:JSON messages. `screen`: an X server to draw on,
+    by Mesa's llvmpipe, since a headless Firefox has no WebGL."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, screen=None):
         shutil.rmtree(folder, ignore_errors=True)
         self.downloads = os.path.abspath(folder)
         profile = os.path.join(self.downloads, "profile")
@@ -270,13 +273,15 @@ class Firefox(Page):
                        "browser.helperApps.neverAsk.saveToDisk": "image/tiff,text/plain,text/csv,image/png",
                        "browser.download.useDownloadDir": True, "network.captive-portal-service.enabled": False,
                        "datareporting.policy.dataSubmissionEnabled": False, "app.update.enabled": False,
-                       "browser.download.always_ask_before_handling_new_types": False}
+                       "browser.download.always_ask_before_handling_new_types": False,
+                       "webgl.force-enabled": True, "gfx.x11-egl.force-enabled": True}
         with open(os.path.join(profile, "user.js"), "w", encoding="ascii") as file:
             file.writelines(f"user_pref({json.dumps(name)}, {json.dumps(value)});\n" for name, value in preferences.items())
         self.process = subprocess.Popen(
-            ["firefox-esr", "--headless", "--no-remote", "--marionette", "--profile", profile],
+            ["firefox-esr", *([] if screen else ["--headless"]), "--no-remote", "--marionette", "--profile", profile],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env={**os.environ, "HOME": self.downloads, "MOZ_DISABLE_CONTENT_SANDBOX": "1"})
+            env={**os.environ, "HOME": self.downloads, "MOZ_DISABLE_CONTENT_SANDBOX": "1",
+                 **({"DISPLAY": screen, "LIBGL_ALWAYS_SOFTWARE": "1"} if screen else {})})
         self.socket, self.buffer, self.number = self.connect(port), b"", 0
         self.receive()  # its greeting
         self.send("WebDriver:NewSession")

@@ -5,11 +5,11 @@ const start = JSON.parse(element("start").textContent);
 const SIZES = {short: ["--size=150x100", "--wavelengths=400:700:50"], long: ["--size=300x200", "--wavelengths=400:700:10"]};
 const AGREED = "agreed", DIFFERS = "differs", NOT_VERIFIED = "not verified", FAILED = "failed", NOT_TRIED = "not tried";
 
-let module, files; /* the compiled program; the bytes of all files */
-let results = [];  /* of this run: {scene, verdict, message, seconds, check, bounds} */
+let module;            /* the compiled program */
+let results = [];      /* of this run: {scene, verdict, message, seconds, check, bounds, picture, archive} */
 let targets, measured; /* as they were drawn; numbers of the driver that the program found by them */
 let run_number = 0, seconds = 0;
-const programs = new Set(); /* that work */
+const programs = new Set(); /* those that work */
 
 /* Lets the page show what has changed, and answer; a GPU that works long is left alone for some ms. */
 const channel = new MessageChannel(), FEW_WAITS = 8;
@@ -92,7 +92,8 @@ async function verify_scene(of, exporting, check) {
     const drawn = await draw_in_steps(exported, "", check), judging = judge_case(program, drawn, of.options);
     Object.assign(result, {picture: picture_of(exported, drawn)}, await judging);
     check();
-    if (result.verdict !== AGREED) result.archive = tar([...exported, ...targets, ...drawn]);
+    const all = [exported, targets, drawn];
+    if (result.verdict === DIFFERS) result.archive = () => tar(all.flatMap(files => [...files]));
   } catch (error) {
     if (error instanceof Stopped) throw error;
     Object.assign(result, {verdict: error instanceof NotTried ? NOT_TRIED : FAILED, message: error.message});
@@ -116,6 +117,7 @@ async function verify_all() {
     for (const [i, of] of start.scenes.entries()) {
       const exporting = next;
       await exporting;
+      check();
       if (i + 1 < start.scenes.length) next = export_scene(start.scenes[i + 1]);
       set_text("progress", `${i + 1} of ${start.scenes.length}: ${of.name}`);
       results.push(await verify_scene(of, exporting, check));
@@ -172,7 +174,8 @@ function add_row(body, cells, kind = "td") {
   return row;
 }
 
-const short = number => number === undefined || number === null ? "–" : new Intl.NumberFormat("en", {maximumSignificantDigits: 3, useGrouping: false}).format(number);
+const three_digits = new Intl.NumberFormat("en", {maximumSignificantDigits: 3, useGrouping: false});
+const short = number => typeof number !== "number" ? "–" : number > 0 && number < 0.001 ? "< 0.001" : three_digits.format(number);
 const count_of = verdict => results.filter(one => one.verdict === verdict).length;
 const share_of = ({unchecked_pixels, object_pixels}) => object_pixels > 0 ? 100 * unchecked_pixels / object_pixels : 0;
 
@@ -190,7 +193,7 @@ function show_result(result) {
     why.cells[0].colSpan = 5;
     if (archive) {
       const button = Object.assign(document.createElement("button"), {type: "button", textContent: "Save the case (tar)"});
-      button.addEventListener("click", () => save_as(archive, scene.replaceAll("/", "-") + ".tar"));
+      button.addEventListener("click", () => save_as(archive(), scene.replaceAll("/", "-") + ".tar"));
       why.cells[0].append(" ", button);
     }
   }
@@ -201,8 +204,9 @@ function show_result(result) {
 
 function show_sentence() {
   const n = results.length, all = start.scenes.length, wrong = results.find(({verdict}) => verdict === DIFFERS);
-  const parts = [wrong ? `This GPU draws wrong pixels in ${count_of(DIFFERS)} of ${n} scenes, first in ${wrong.scene}.` : "This GPU draws no wrong pixel.",
-    `${count_of(AGREED)} agreed${n < all ? ` so far, of ${all}` : ""}.`];
+  const found = wrong ? `This GPU draws wrong pixels in ${count_of(DIFFERS)} of ${n} scenes, first in ${wrong.scene}.`
+    : count_of(AGREED) > 0 ? "No wrong pixel was found." : "Nothing could be verified.";
+  const parts = [found, `${count_of(AGREED)} agreed${n < all ? ` so far, of ${all}` : ""}.`];
   if (count_of(NOT_VERIFIED) > 0) parts.push(`${count_of(NOT_VERIFIED)} not verified: too few of their pixels can be checked on this GPU.`);
   if (count_of(NOT_TRIED) > 0) parts.push(`${count_of(NOT_TRIED)} not tried.`);
   if (count_of(FAILED) > 0) parts.push(`${count_of(FAILED)} failed.`);
@@ -236,6 +240,7 @@ function show_start() {
   element("results").tBodies[0].replaceChildren();
   body.replaceChildren();
   delete body.dataset.bounds;
+  set_text("sentence", "It draws …");
   element("bar").value = 0;
   element("message").hidden = true;
   set_running(true);

@@ -3,6 +3,7 @@
  * it draws comes from those files. */
 
 const LIGHTS = 8; /* of a group */
+const LARGEST = 8192;  /* side of a picture that is judged in one piece */
 const MOST_CAPS = 255; /* of shadow volumes that the stencil counts */
 const COLOURS = 0, NUMBERS = 1, DEPTHS = 2, FRAGMENTS = 3, BLACK = 4; /* what a fragment shows */
 
@@ -147,11 +148,11 @@ function webgl_facts(gl) {
 }
 
 function require_extensions(gl, scene) {
-  const largest = gl.getParameter(gl.MAX_TEXTURE_SIZE), sides = [scene, ...scene.textures.filter(Boolean)].flatMap(({width, height}) => [width, height]);
+  const largest = Math.min(LARGEST, gl.getParameter(gl.MAX_TEXTURE_SIZE)), sides = [scene, ...scene.textures.filter(Boolean)].flatMap(({width, height}) => [width, height]);
   if (!gl.getExtension("EXT_color_buffer_float")) throw new NotTried("this GPU draws no floats of 32 bits (EXT_color_buffer_float)");
   if (!gl.getExtension("OES_texture_float_linear") && scene.textures.some(({linear}) => linear))
     throw new NotTried("this GPU filters no floats of 32 bits (OES_texture_float_linear)");
-  if (Math.max(...sides) > largest) throw new NotTried(`this GPU draws at most ${largest} pixels a side, and has no larger texture`);
+  if (Math.max(...sides) > largest) throw new NotTried(`pictures and textures have at most ${largest} pixels a side here`);
   gl.depth_clamp = gl.getExtension("EXT_depth_clamp")?.DEPTH_CLAMP_EXT;
   if (!gl.depth_clamp && scene.volumes.length > 0) throw new NotTried("this GPU clamps no depths, which shadows need (EXT_depth_clamp)");
 }
