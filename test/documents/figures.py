@@ -26,20 +26,22 @@ def limit(name, number=r"([\d<< ]+)"):
     return constant("spectral.h", f"{name} = {number}")
 
 
-HARD = len(glob.glob("data/builtin/hard/*.scene"))
+HARD, BUILT_IN = (len(glob.glob(f"data/builtin/{folder}/*.scene")) for folder in ("hard", "scenes"))
 # page: rows of words in the sentence, and its source: the figure itself, or the file of a test
 SOURCES = {
     "README.md": [
         ("stands for 1 count of 65535", 1),
         ("a minimal program of less than 600 KB", "test/builds/minimal.sh"),
         ("a ColorChecker of 24 tori in 93 wavelengths", "test/documents/pages.py"),
-        ("(45 MB)", "test/documents/pages.py")],
+        ("(45 MB)", "test/documents/pages.py"), (f"The page draws {HARD + BUILT_IN} scenes", HARD + BUILT_IN)],
     "accuracy.md": [
         ("worst object if it is off by more than 1 CIEDE2000 at 95 %", constant("raster/beside/accuracy/refine.c", r"just_seen = (\d+)")),
         ("", "test/raster/beside/accuracy/accuracy.py")],
     "building.md": [("", "test/builds/minimal.sh"), ("stacks past 2 GiB and 4 GiB", "test/builds/containers.py")],
     "camera.md": [("no pixel is 0.1 CIEDE2000 off", "test/documents/pages.py")],
-    "exchange.md": [("A picture has at most 8192 pixels a side", constant("raster/plan/plan.c", r"LARGEST_TILE = (\d+)"))],
+    "exchange.md": [
+        ("at 150 x 100 pixels and 7 wavelengths", "test/raster/beside/verify/gpu.py"), ("more than 1 % of their pixels", "test/raster/beside/verify/gpu.py"),
+        ("A picture has at most 8192 pixels a side", constant("raster/plan/plan.c", r"LARGEST_TILE = (\d+)"))],
     "maps.md": [("0.502 counts", "test/raster/beside/see/maps.py")],
     "materials.md": [("of lights: 0.5 %", "test/data/spectra/headings.py")],
     "mesa.md": [("", "test/raster/gl/test_mesa.c"), ("320 texels", "test/cases/mesa/blocks.scene"), ("32 texels", "test/cases/mesa/blocks.scene")],
@@ -48,7 +50,7 @@ SOURCES = {
     "recipes.md": [("it is 20 pixels wide", "test/documents/recipes.py"), ("An HDF4 file holds at most 2 GB", "test/documents/recipes.py")],
     "scenes.md": [("A text file has at most 256 MB", constant("spectral.h", r"LONGEST_TEXT = (\d+)")),
                   ("at most 1000 files", limit("MOST_INCLUDES"))],
-    "seeing.md": [("40 MB) is reduced", "test/raster/beside/view/stack_viewer.py"), ("is 1.1 MB smaller", "test/raster/beside/view/wasm.sh")],
+    "seeing.md": [("40 MB) is reduced", "test/raster/beside/view/stack_viewer.py"), ("is 0.8 MB smaller", "test/raster/beside/view/wasm.sh")],
     "stack.md": [("Stacks above 4 GiB are BigTIFF", "test/data/stack/parts.py")],
     "trust.md": [
         ("at most 740 lines of code", constant("test/program/house.py", r'"raster/reference": .*, (\d+)')),

@@ -144,7 +144,7 @@ def judged(folder):
 
 
 def by_hand(browser, scenes):
-    """What the page exports is what export writes, byte by byte, and judge gives its verdict, measuring the targets each time."""
+    """The page exports the bytes that export writes, and judge gives the page's verdict, though it measures the targets each time."""
     for name in "patches", "spheres", "hard/shadow-ground":
         folder, own = case_of(browser, name), path_of("own")
         subprocess.run(["rm", "-rf", own], check=True)
@@ -236,7 +236,7 @@ def saved_case(browser, found):
 
 
 def lacks(browser, path):
-    """What a browser lacks is said; nothing agrees that was not drawn."""
+    """The page says what a browser lacks; nothing agrees that was not drawn."""
     scenes, said = lied(browser, path, "lost")
     lost = scenes["patches"]
     check(lost["verdict"] == "failed" and "lost the GPU" in lost["message"] and "1 failed" not in said.split("failed")[0],
