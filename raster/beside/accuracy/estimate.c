@@ -63,20 +63,6 @@ static int first_column(const struct lattice *lattice, int row)
     return (int)floor(-(double)lattice->shear * (row + 0.5) / lattice->step - 0.5);
 }
 
-/* Returns whether a triangle in front of the eye lies between two rows of the lattice. */
-static bool lies_between(const struct lattice *lattice, const struct surface *surface,
-                         const int32_t vertex[3])
-{
-    double row[3];
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *corner = &surface->vertices[vertex[i]];
-        if (!(corner->clip[3] > 0))
-            return false;
-        row[i] = corner->y / lattice->step - 0.5;
-    }
-    return ceil(least_of(row)) > floor(most_of(row));
-}
-
 /* A triangle that is scanned. */
 struct lattice_scan {
     const struct estimating *of;
@@ -125,8 +111,6 @@ static void draw_surface(const struct estimating *of, int index)
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct surface *surface = &of->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
-        if (lies_between(&of->lattice, surface, surface->instance->triangles[i]))
-            continue;
         const int n = shown_parts(&of->plan->view, surface, i, parts);
         for (int part = 0; part < n; part++)
             draw_triangle(of, index, &parts[part]);
