@@ -74,17 +74,6 @@ static bool add_note(struct cost *cost, const char *words, const struct error *w
     return false;
 }
 
-/* Cuts words at their blanks, and adds them to a command line. */
-static void add_words(const char *line[], int *n, char *words)
-{
-    for (char *at = words + strspn(words, " "); *at; at += strspn(at, " ")) {
-        line[(*n)++] = at;
-        at += strcspn(at, " ");
-        if (*at)
-            *at++ = '\0';
-    }
-}
-
 /* Shows how much of the likely time has passed. A picture that is not agreed has its price, too. A
  * failure that names a temporary file is for want of room. */
 static bool conclude(struct measurement *of, struct error *own, struct error *err)
@@ -113,7 +102,7 @@ static bool run(struct measurement *of, const char *words, const char *more, int
     const struct options *options = of->options;
     const bool draws = of->cost->checked && !strstr(more, alone);
     const char *line[MOST_RECORDED + MORE_WORDS] = {options->program, "render"};
-    char own_words[WORDS_LENGTH];
+    char own_words[WORDS_LENGTH], *rest;
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds;
     int n = 2;
@@ -125,7 +114,8 @@ static bool run(struct measurement *of, const char *words, const char *more, int
     if (options->memory_mib > 0)
         snprintf(own_words + length, sizeof own_words - (size_t)length, " --memory=%d",
                  options->memory_mib);
-    add_words(line, &n, own_words);
+    for (char *word = strtok_r(own_words, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
+        line[n++] = word;
     if (options->detector) {
         line[n++] = "--detector";
         line[n++] = options->detector;
