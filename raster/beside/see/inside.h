@@ -37,20 +37,17 @@ enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
 /* A stack that is being developed. */
 struct development {
     /* The caller sets these, and zeroes all others. */
-    const char *detector_name;    /* or file */
-    const char *white;            /* SPECTRUM; NULL: what the stack records */
+    struct options *options; /* detector, white, threads and output; its outputs get the picture */
     struct adaptation adaptation; /* a luminance of 0 is found */
     enum display_kind display;
     enum develop_values values;
     int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
                         of counts of the largest */
-    int threads;     /* 0: one a processor */
     double exposure; /* factor of all radiances */
     bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
                         the picture to just 1 (or 100), or the largest raw value to 1 */
-    struct outputs *outputs;     /* get the picture; NULL: it appears at once */
     struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
-    const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
+    const struct lit_scene *lit; /* is drawn in place of a stack, and has a cube; NULL: none */
     /* The findings. */
     struct cube cube;
     double first_nm, last_nm; /* of pages, or of the range of components */
@@ -68,11 +65,11 @@ struct development {
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
-/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
- * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
- * after a failure. */
-bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+/* Reads the stack that is the operand and writes a picture of it, whose format follows from the
+ * ending of its name; a PNG has no XYZ, no Lab and no raw values. The channels of cameras and films
+ * are balanced: each is divided by the white's. Refuses adaptation, XYZ and Lab for them. The
+ * caller frees *of, also after a failure. */
+bool develop(struct development *of, struct error *err);
 const char *raw_unit(const struct development *of); /* of raw values */
 /* Prints a white in a detector's channels, and where it comes from. */
 void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
