@@ -140,7 +140,7 @@ static bool run_more(struct measurement *of, const char *words, const char *more
 
 /* Finds how far the latest stack is off from another. */
 static bool differ(const struct measurement *of, struct seen_stack *standard,
-                   struct colour_difference *out, struct error *err)
+                   struct pixel_difference *out, struct error *err)
 {
     return stack_difference(standard, of->stacks[STACK], of->cost->observer, of->options->threads,
                             out, err);
@@ -292,7 +292,7 @@ static bool refine(struct measurement *of, const char *finest, bool outlines,
 {
     static const double none = 0.02; /* an error that nobody would spend a second on */
     struct seen_stack standard = {.path = of->stacks[FINEST]};
-    struct colour_difference error = {.mean = 0};
+    struct pixel_difference error = {.mean = 0};
     double seconds[3] = {0};
     bool done = run_typical(of, finest, alone, FINEST, &seconds[0], err) &&
                 run_typical(of, "", "", STACK, &seconds[1], err) &&
@@ -306,7 +306,7 @@ static bool refine(struct measurement *of, const char *finest, bool outlines,
         out->after = outlines ? error.mean : error.quantile_95;
         out->factor = seconds[2] / seconds[1];
     }
-    seen_free(&standard);
+    free(standard.pixels);
     return done;
 }
 
@@ -414,7 +414,7 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
     for (int i = 0; i < N_STACKS; i++)
         guard_forget(of.stacks[i]);
     folder_close(&of.folder);
-    seen_free(&of.standard);
+    free(of.standard.pixels);
     scene_free(&of.scene);
     return done;
 }

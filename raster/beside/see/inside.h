@@ -91,21 +91,9 @@ struct tolerance {
     enum pixel_measure measure;
     bool percent; /* of A's largest radiance */
 };
-/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76", the value of --tolerance. */
-bool tolerance_read(const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
-struct peak {
-    double largest;
-    int x, y; /* the first pixel that has it */
-};
-/* A measure over all pixels. */
-struct pixel_difference {
-    struct peak peak;
-    double mean;
-    double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-};
 struct band_difference {
     struct peak peak; /* of |A - B|, in radiance */
     double rms;
