@@ -163,8 +163,8 @@ void columns_print_csv(const struct column *columns, int n_columns, int n, struc
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    struct rectangle at;          /* the region in pixels: not negative; sides of 1 or more */
-    const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
+    struct rectangle at;           /* the region in pixels: not negative; sides of 1 or more */
+    const struct options *options; /* the stack or scene, and who sees it under which white */
     const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */
     char *source;  /* stack or scene; owned */
@@ -206,16 +206,16 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
 void note_shown(struct probe *probe, int number);
 /* Ends it: the means of its moments, and their colour under the white of the cube. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
-/* probe_objects.c: probes a stack: the region, or the object that is wanted, without its edges.
- * Refuses a stack without spectra and a region outside the picture. The caller frees *probe, here
- * and below, also after a failure. */
-bool probe_stack(struct probe *probe, const char *path, struct error *err);
+/* probe_objects.c: probes the stack that is the operand: the region, or the object that is wanted,
+ * without its edges. Refuses a stack without spectra and a region outside the picture. The caller
+ * frees *probe, here and below, also after a failure. */
+bool probe_stack(struct probe *probe, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
  * excitation, emission and own light, and the emission of a matrix under each light. The region is
  * one of the plan's picture, whose samples are floats. */
-bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
+bool probe_scene(struct probe *probe, struct error *err);
 void probe_free(struct probe *probe);
 
 /* Writes the pixel or region in words, e.g. "pixel 3,4". */
