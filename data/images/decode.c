@@ -51,14 +51,6 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
     return true;
 }
 
-/* Refuses the page if libtiff returned a negative number or printed a message. */
-static bool is_decoded(const struct stored_rows *of, tmsize_t got, struct error *err)
-{
-    return source_is_sound(of->image, err) &&
-           ((got >= 0 && of->image->file->client.message[0] == '\0') ||
-            image_refuse_broken(of->image, of->page, err));
-}
-
 bool block_is_missing(TIFF *tiff, uint32_t block)
 {
     return TIFFGetStrileOffset(tiff, block) == 0 && TIFFGetStrileByteCount(tiff, block) == 0;
@@ -78,7 +70,8 @@ static bool block_fits(const struct stored_rows *of, uint32_t block, struct erro
                            of->image->path, of->page + 1);
 }
 
-/* Decodes the first bytes of a tile or a strip. One that is missing holds zeros. */
+/* Decodes the first bytes of a tile or a strip. One that is missing holds zeros. Refuses the page
+ * if libtiff returns a negative number or prints a message. */
 static bool block_decode(const struct stored_rows *of, uint32_t block, char *out, size_t bytes,
                          struct error *err)
 {
@@ -86,11 +79,13 @@ static bool block_decode(const struct stored_rows *of, uint32_t block, char *out
     if (!block_fits(of, block, err))
         return false;
     memset(out, 0, bytes);
-    return block_is_missing(tiff, block) ||
-           is_decoded(of,
-                      (of->layout->tiled ? TIFFReadEncodedTile
-                                         : TIFFReadEncodedStrip)(tiff, block, out, (tmsize_t)bytes),
-                      err);
+    if (block_is_missing(tiff, block))
+        return true;
+    const tmsize_t got = (of->layout->tiled ? TIFFReadEncodedTile : TIFFReadEncodedStrip)(
+        tiff, block, out, (tmsize_t)bytes);
+    return source_is_sound(of->image, err) &&
+           ((got >= 0 && of->image->file->client.message[0] == '\0') ||
+            image_refuse_broken(of->image, of->page, err));
 }
 
 /* Decodes the tiles that contain the rows, and joins them. */

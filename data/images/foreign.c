@@ -34,11 +34,6 @@ static bool refuse(const struct foreign *of, const char *why, struct error *err)
     return error_at(err, of->image->file->from, "%s: %s", of->image->path, why);
 }
 
-static size_t sample_bytes(const struct foreign *of)
-{
-    return of->layout.bits / 8u;
-}
-
 /* Completes the layout of grey or RGB, and makes room for the samples. planar: one channel comes
  * after the other. */
 static bool allocate(struct foreign *of, bool planar, struct error *err)
@@ -54,7 +49,7 @@ static bool allocate(struct foreign *of, bool planar, struct error *err)
     to->n_colours = to->n_samples < 3 ? 1 : 3;
     to->n_planes = planar ? to->n_colours : 1;
     to->pixel_step = planar ? 1 : to->n_samples;
-    to->row_bytes = to->width * to->pixel_step * sample_bytes(of);
+    to->row_bytes = to->width * to->pixel_step * (to->bits / 8u);
     to->n_bands = 1;
     to->rows_offset = FIRST;
     to->largest = to->bits == 8 ? 255 : 65535;
@@ -172,7 +167,7 @@ enum { SGI_HEAD = 512 };
 /* Unpacks a row: a count of samples and one sample to repeat, or, with bit 7, so many samples. */
 static bool sgi_unpack(const struct foreign *of, size_t from, size_t length, unsigned char *to)
 {
-    const size_t size = sample_bytes(of);
+    const size_t size = of->layout.bits / 8u;
     size_t left = of->layout.width;
     if (from > of->length || length > of->length - from)
         return false;

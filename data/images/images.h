@@ -108,7 +108,8 @@ struct texture {
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
     pthread_mutex_t reading;      /* held while the image is read */
 };
-/* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral` and `rgb` of *out. A grey
+/* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral` and `rgb` of *out, and
+ * zeroes all others. A grey
  * texture is one page with values that hold for every wavelength. A spectral texture is a stack of
  * pages with wavelengths; all of them are read once, to find their smallest and largest value.
  * Refuses a side of more than 16384 texels, since OpenGL's textures have a limit, too. The caller

@@ -61,12 +61,8 @@ static bool find_extremes(struct texture *texture, struct error *err)
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err)
 {
-    *out = (struct texture){.linear = out->linear,
-                            .mipmapped = out->mipmapped,
-                            .spectral = out->spectral,
-                            .rgb = out->rgb,
-                            .reading = PTHREAD_MUTEX_INITIALIZER};
     const double floats = (out->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
+    pthread_mutex_init(&out->reading, NULL);
     if (!file_expected(path, from, FILE_TEXTURE, err) ||
         !image_open(path, from, read_tags, &out->image, err))
         return false;

@@ -9,6 +9,9 @@
 
 /* ---- the wavelengths of two spectra ---- */
 
+/* The other spectrum of a walk over the wavelengths of one alone. */
+static const struct spectrum none = {.kind = SPECTRUM_NONE};
+
 /* Returns the next wavelength that a sum over the spectrum needs; HUGE_VAL: there is none, as for
  * smooth spectra. A gaussian needs none beyond 4 widths from its centre: there it is below 2^-64,
  * which changes no sum. */
@@ -189,7 +192,6 @@ static bool read_row(struct matrix_table *table, const struct word *first, struc
 /* Turns densities, per nm of emission, into shares of bands. */
 static void make_shares(struct donaldson *matrix)
 {
-    const struct spectrum none = {.kind = SPECTRUM_NONE};
     double *share = matrix->share;
     for (struct walk walk = walk_start(&matrix->emission, &none); walk_step(&walk);)
         for (int i = 0; i < matrix->excitation.count; i++)
@@ -278,7 +280,6 @@ bool donaldson_read(const char *path, struct place from, bool densities, struct 
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err)
 {
-    const struct spectrum none = {.kind = SPECTRUM_NONE};
     struct spectrum row = matrix->excitation;
     row.value = matrix->share;
     bool done = true;
@@ -300,7 +301,6 @@ bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *l
 void fluorescence_balance(const struct spectrum *excitation, const struct spectrum *emission,
                           const double *share, double *shorter, double *most)
 {
-    const struct spectrum none = {.kind = SPECTRUM_NONE};
     double sum = 0, all = 0;
     int i = 0;
     *shorter = *most = 0;

@@ -129,12 +129,12 @@ double quadrature_lagrange(const double *node, int n, int i, double x);
 
 /* XYZ of the white of displays, D65: x = 0.3127, y = 0.3290 (IEC 61966-2-1), Y = 100. */
 extern const double display_white[3];
-/* Matrices have three rows and act on columns of tristimulus values. The product applies b, then
- * a. The inverse needs a matrix that is not singular. out must not be an input. */
-void tristimulus_product(double a[3][3], double b[3][3], double out[3][3]);
+/* Matrices have three rows and act on columns of tristimulus values. The inverse needs a matrix
+ * that is not singular. out must not be an input. */
 void tristimulus_inverse(double m[3][3], double out[3][3]);
 void tristimulus_apply(double m[3][3], const double xyz[3], double out[3]);
-/* Replaces n columns by their products with a matrix. Their three rows are n numbers apart. */
+/* Replaces n columns by their products with a matrix. Their three rows are n numbers apart: the 3
+ * columns may be those of another matrix. */
 void tristimulus_apply_all(double m[3][3], int n, double *columns);
 /* Write the matrices from XYZ, with Y = 100 for white, to linear red, green and blue of sRGB, 0 to
  * 1 (IEC 61966-2-1), and to the cone responses of Hunt, Pointer and Estevez (thesis, eq. 17). */

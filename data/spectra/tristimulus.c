@@ -6,13 +6,6 @@
 
 const double display_white[3] = {100 * 0.3127 / 0.3290, 100, 100 * (1 - 0.3127 - 0.3290) / 0.3290};
 
-void tristimulus_product(double a[3][3], double b[3][3], double out[3][3])
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-}
-
 /* The inverse is the adjugate over the determinant. Cyclic indices give the cofactors their signs.
  */
 void tristimulus_inverse(double m[3][3], double out[3][3])

@@ -51,7 +51,11 @@ static void develop_stack(const char *path, struct development of, const char *e
     struct error err = {.status = EXIT_AGREED};
     char picture[FUZZ_PATH];
     fuzz_write(ending, "", 0, picture);
-    fuzz_ends(develop(&of, path, picture, &err), &err);
+    of.options->operand = path;
+    of.options->output = picture;
+    of.options->threads = 1;
+    fuzz_ends(develop(&of, &err) && outputs_commit(&of.options->outputs, &err), &err);
+    outputs_discard(&of.options->outputs);
     develop_free(&of);
 }
 
@@ -97,19 +101,19 @@ static void join_part(const char *path)
 
 static void develop_colour(const char *path)
 {
-    const struct development of = {"cie1931", .bits = 16, .threads = 1, .automatic = true};
+    struct options options = {.detector = "cie1931"};
+    const struct development of = {.options = &options, .bits = 16, .automatic = true};
     develop_stack(path, of, ".png");
 }
 
 static void develop_adapted(const char *path)
 {
-    const struct development of = {"cie1964",
+    struct options options = {.detector = "cie1964", .white = "d65"};
+    const struct development of = {.options = &options,
                                    .adaptation = {ADAPTATION_CAT16, 0},
-                                   .white = "d65",
                                    .exposure = 1,
                                    .values = DEVELOP_LAB,
-                                   .bits = 32,
-                                   .threads = 1};
+                                   .bits = 32};
     develop_stack(path, of, ".developed.tif");
 }
 

@@ -24,25 +24,22 @@ struct lattice_pixel {
     double at[2];                    /* the pixel's centre in the picture */
 };
 struct judged_point {
-    int surface; /* -1: none */
+    int surface;
     const struct object *object;
     float error;
 };
 struct estimating {
     const struct plan *plan;
     const struct surface *surfaces;
-    const struct measure *measure;
+    struct measure measure;
     struct lattice lattice;
     struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
     int n_pixels;
     struct patches *patches;     /* of each mesh of the plan; owned */
-    struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
-                                    owned */
+    struct judged_point *points; /* those that are judged; owned */
     int n_points;
-    size_t n_attributes; /* numbers that compare_point needs */
-    double *attributes;  /* of each block of pixels; owned */
+    double *attributes; /* room that compare_point needs; owned */
 };
-enum { BLOCK_PIXELS = 128 }; /* that a thread takes at a time */
 
 /* Returns the lattice. The step is odd and the shear even, so that the places are pixel centres;
  * the shear is near the step over the golden ratio, so that rows of pixels do not repeat soon. */
@@ -61,20 +58,6 @@ static struct lattice lattice_of(const struct view *view, int wanted)
 static int first_column(const struct lattice *lattice, int row)
 {
     return (int)floor(-(double)lattice->shear * (row + 0.5) / lattice->step - 0.5);
-}
-
-/* Returns whether a triangle in front of the eye lies between two rows of the lattice. */
-static bool lies_between(const struct lattice *lattice, const struct surface *surface,
-                         const int32_t vertex[3])
-{
-    double row[3];
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *corner = &surface->vertices[vertex[i]];
-        if (!(corner->clip[3] > 0))
-            return false;
-        row[i] = corner->y / lattice->step - 0.5;
-    }
-    return ceil(least_of(row)) > floor(most_of(row));
 }
 
 /* A triangle that is scanned. */
@@ -125,8 +108,6 @@ static void draw_surface(const struct estimating *of, int index)
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct surface *surface = &of->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
-        if (lies_between(&of->lattice, surface, surface->instance->triangles[i]))
-            continue;
         const int n = shown_parts(&of->plan->view, surface, i, parts);
         for (int part = 0; part < n; part++)
             draw_triangle(of, index, &parts[part]);
@@ -150,31 +131,21 @@ static bool find_seen(struct estimating *of, int wanted, struct error *err)
 
 /* ---- points ---- */
 
-/* Judges a pixel of the lattice; none: background, and where the true surface is not seen. */
-static void judge_pixel(const struct estimating *of, int index, double *attributes,
-                        struct judged_point *out)
+/* Judges a pixel of the lattice, unless it shows the background or does not see the true surface.
+ */
+static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel)
 {
-    const struct lattice_pixel *pixel = &of->pixels[index];
     struct shaded_point points[2];
-    out->surface = -1;
     if (pixel->surface < 0)
         return;
     const struct placed_instance *placed = &of->plan->instances[pixel->surface];
     const struct judged_surface surface = {of->plan, placed, &of->plan->meshes[placed->mesh],
                                            &of->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
-    if (compare_point(&surface, &pixel->triangle, pixel->at, attributes, points))
-        *out = (struct judged_point){
+    if (compare_point(&surface, &pixel->triangle, pixel->at, of->attributes, points))
+        of->points[of->n_points++] = (struct judged_point){
             pixel->surface, placed->object,
-            (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
-}
-
-static void judge_block(void *context, size_t first, size_t end)
-{
-    const struct estimating *of = context;
-    double *attributes = of->attributes + first / BLOCK_PIXELS * of->n_attributes;
-    for (size_t i = first; i < end; i++)
-        judge_pixel(of, (int)i, attributes, &of->points[i]);
+            (float)measure_difference(&of->measure, placed->shaded, &points[0], &points[1])};
 }
 
 /* Opens the patches of all shapes. */
@@ -222,10 +193,8 @@ static double quantile(const struct judged_point *points, int n)
 static bool conclude(struct estimating *of, struct accuracy_estimate *out, struct error *err)
 {
     const size_t size = sizeof *of->points;
-    threads_blocks(of->plan->options.threads, (size_t)of->n_pixels, BLOCK_PIXELS, judge_block, of);
     for (int i = 0; i < of->n_pixels; i++)
-        if (of->points[i].surface >= 0)
-            of->points[of->n_points++] = of->points[i];
+        judge_pixel(of, &of->pixels[i]);
     qsort(of->points, (size_t)of->n_points, size, by_error);
     out->quantile_95 = quantile(of->points, of->n_points);
     out->n_points = of->n_points;
@@ -252,24 +221,19 @@ bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wa
                        struct accuracy_estimate *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    struct measure measure;
-    struct estimating of = {.plan = plan,
-                            .surfaces = lit->surfaces,
-                            .measure = &measure,
-                            .n_attributes = 2 * ((size_t)plan->max_rows + 2)};
-    bool done = measure_make(lit, out->unit, observer, &measure, err);
+    struct estimating of = {.plan = plan, .surfaces = lit->surfaces};
+    bool done = measure_make(lit, out->unit, observer, &of.measure, err);
     free(out->objects);
-    *out = (struct accuracy_estimate){.known = measure.known, .unit = measure.unit};
-    if (done && measure.known && lit->surfaces)
+    *out = (struct accuracy_estimate){.known = of.measure.known, .unit = of.measure.unit};
+    if (done && of.measure.known && lit->surfaces)
         done =
             find_seen(&of, wanted, err) &&
             MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
             MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
-            MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * of.n_attributes,
-                       err, "the pixels that are judged") &&
+            MAKE_ARRAY(of.attributes, 2 * (plan->max_rows + 2), err, "a pixel that is judged") &&
             open_patches(&of, err) && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
-    FREE_ALL(of.patches, of.points, of.pixels, of.attributes, measure.xyz);
+    FREE_ALL(of.patches, of.points, of.pixels, of.attributes, of.measure.xyz);
     return done;
 }

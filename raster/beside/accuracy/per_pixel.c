@@ -18,29 +18,24 @@ static bool is_front(const struct judged_surface *of, const struct vertex *point
 
 /* ---- points of a built-in shape ---- */
 
-/* A point of the true surface, in the mesh and in the window. */
-struct exact_point {
-    struct vertex vertex;
-    struct window_vertex window;
-};
-
-/* Places the point of parameters u and v in the window; false if it is not in front of the eye. */
+/* Finds the point of parameters u and v in the mesh, and places it in the window; false if it is
+ * not in front of the eye. */
 static bool place_point(const struct judged_surface *of, int patch, const double u_v[2],
-                        struct exact_point *out)
+                        struct vertex *out, struct window_vertex *window)
 {
     double u = u_v[0], v = u_v[1];
     patch_enter(of->patches->shape, &u, &v);
-    out->vertex = patch_vertex(of->patches, patch, u, v);
-    struct vector *position = &out->vertex.position;
-    *position = vector_scale(vector_subtract(*position, of->mesh->centre), 1 / of->mesh->unit);
-    const struct vector eye = matrix_point(&of->surface->instance->model_view, *position);
+    *out = patch_vertex(of->patches, patch, u, v);
+    out->position =
+        vector_scale(vector_subtract(out->position, of->mesh->centre), 1 / of->mesh->unit);
+    const struct vector eye = matrix_point(&of->surface->instance->model_view, out->position);
     for (int r = 0; r < 4; r++) {
         const double *row = of->plan->view.projection.row[r];
-        out->window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+        window->clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
     }
-    if (!(out->window.clip[3] > 0))
+    if (!(window->clip[3] > 0))
         return false;
-    window_place(&of->plan->view, &out->window);
+    window_place(&of->plan->view, window);
     return true;
 }
 
@@ -57,16 +52,16 @@ static const double near_enough_px = 1.0 / 1024;
 static bool step(const struct judged_surface *of, int patch, const double at[2], double u_v[2],
                  const struct window_vertex *from)
 {
-    struct exact_point points[2];
+    struct vertex ignored;
+    struct window_vertex moved[2];
     for (int k = 0; k < 2; k++) {
         double other[2] = {u_v[0], u_v[1]};
         other[k] += nudge;
-        if (!place_point(of, patch, other, &points[k]))
+        if (!place_point(of, patch, other, &ignored, &moved[k]))
             return false;
     }
-    const struct window_vertex *moved[2] = {&points[0].window, &points[1].window};
-    const double xu = (moved[0]->x - from->x) / nudge, yu = (moved[0]->y - from->y) / nudge,
-                 xv = (moved[1]->x - from->x) / nudge, yv = (moved[1]->y - from->y) / nudge,
+    const double xu = (moved[0].x - from->x) / nudge, yu = (moved[0].y - from->y) / nudge,
+                 xv = (moved[1].x - from->x) / nudge, yv = (moved[1].y - from->y) / nudge,
                  dx = at[0] - from->x, dy = at[1] - from->y, determinant = xu * yv - xv * yu;
     const double du = (dx * yv - dy * xv) / determinant, dv = (xu * dy - yu * dx) / determinant;
     if (!(fabs(du) < 2 && fabs(dv) < 2))
@@ -95,21 +90,19 @@ static bool find_point(const struct judged_surface *of, const struct screen_tria
                        const double at[2], const double share[3], struct vertex *out)
 {
     const int patch = of->mesh->mesh.parameters[triangle->vertex[0]].patch;
-    struct exact_point point;
+    struct window_vertex window;
     double u_v[2], place[2] = {at[0], at[1]}, moved[3];
     parameters_at(of, triangle, share, u_v);
-    for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, &point); i++) {
-        const double dx = at[0] - point.window.x, dy = at[1] - point.window.y;
-        if (vector_length((struct vector){dx, dy, 0}) < near_enough_px) {
-            *out = point.vertex;
+    for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, out, &window); i++) {
+        const double dx = at[0] - window.x, dy = at[1] - window.y;
+        if (vector_length((struct vector){dx, dy, 0}) < near_enough_px)
             return is_front(of, out) == (triangle->clockwise == of->surface->instance->mirrored);
-        }
         if (i < PLANE_STEPS) {
             place[0] += dx;
             place[1] += dy;
             shares_at(triangle, place[0], place[1], moved);
             parameters_at(of, triangle, moved, u_v);
-        } else if (!step(of, patch, at, u_v, &point.window))
+        } else if (!step(of, patch, at, u_v, &window))
             return false;
     }
     return false;

@@ -91,7 +91,7 @@ void adaptation_cones(enum adaptation_kind kind, double out[3][3])
 bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],
                        const double equal[3], double out[3][3], struct error *err)
 {
-    double forward[3][3], back[3][3], scaled[3][3];
+    double forward[3][3], back[3][3];
     double of_white[3], of_display[3], of_equal[3], part[3] = {1, 1, 1};
     if (adaptation->kind == ADAPTATION_NONE) {
         for (int i = 0; i < 3; i++)
@@ -110,7 +110,7 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
         incompleteness(of_white, of_equal, adaptation->luminance, part);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            scaled[i][j] = part[i] * of_display[i] / of_white[i] * forward[i][j];
-    tristimulus_product(back, scaled, out);
+            out[i][j] = part[i] * of_display[i] / of_white[i] * forward[i][j];
+    tristimulus_apply_all(back, 3, out[0]);
     return true;
 }

@@ -76,7 +76,7 @@ static void print_row(const struct configuration *of, struct printed *to)
     if (of->checked.n > 0)
         snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
     print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
-          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.largest,
+          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.peak.largest,
           of->components ? "no spectra" : "");
 }
 
@@ -217,7 +217,7 @@ static void print_csv_row(const struct configuration *of, struct printed *to)
     if (of->checked.n > 0)
         print(to, "%.9g", median_of(&of->checked));
     print(to, ",%.9g,%d,%.9g,%.9g,%.9g,%d,%d\n", median_of(&of->unchecked), of->unchecked.n,
-          of->error.mean, of->error.quantile_95, of->error.largest, !of->components, of->best);
+          of->error.mean, of->error.quantile_95, of->error.peak.largest, !of->components, of->best);
 }
 
 void cost_csv(const struct cost *cost, struct printed *to)
@@ -236,7 +236,7 @@ static void json_row(struct json *json, const char *key, const struct configurat
     json_count(json, "runs", (uint64_t)of->unchecked.n);
     json_number(json, "dE00_mean", of->error.mean);
     json_number(json, "dE00_95", of->error.quantile_95);
-    json_number(json, "dE00_largest", of->error.largest);
+    json_number(json, "dE00_largest", of->error.peak.largest);
     json_truth(json, "spectra", !of->components);
     json_truth(json, "best", of->best);
     json_close(json, '}');

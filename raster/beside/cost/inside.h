@@ -20,13 +20,13 @@ double median_of(const struct timing *of); /* NaN: there is no run */
 
 /* A way to render the scene, how far its stack is off, and what it takes. */
 struct configuration {
-    char words[RENDER_WORDS]; /* options of render, with a blank between two; "": none */
-    bool components;          /* its pages are no radiances at wavelengths */
-    struct colour_difference error;
-    struct timing unchecked; /* by the reference alone */
-    struct timing checked;   /* of those that are named, whose error is that of this picture */
-    bool best;               /* no other of its kind of pages is cheaper and closer */
-    bool named;              /* in the answer */
+    char words[RENDER_WORDS];      /* options of render, with a blank between two; "": none */
+    bool components;               /* its pages are no radiances at wavelengths */
+    struct pixel_difference error; /* CIEDE2000 */
+    struct timing unchecked;       /* by the reference alone */
+    struct timing checked; /* of those that are named, whose error is that of this picture */
+    bool best;             /* no other of its kind of pages is cheaper and closer */
+    bool named;            /* in the answer */
 };
 
 /* A finer way of one kind: its error, and that of the way without it, from the finest one. */

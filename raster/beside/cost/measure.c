@@ -74,17 +74,6 @@ static bool add_note(struct cost *cost, const char *words, const struct error *w
     return false;
 }
 
-/* Cuts words at their blanks, and adds them to a command line. */
-static void add_words(const char *line[], int *n, char *words)
-{
-    for (char *at = words + strspn(words, " "); *at; at += strspn(at, " ")) {
-        line[(*n)++] = at;
-        at += strcspn(at, " ");
-        if (*at)
-            *at++ = '\0';
-    }
-}
-
 /* Shows how much of the likely time has passed. A picture that is not agreed has its price, too. A
  * failure that names a temporary file is for want of room. */
 static bool conclude(struct measurement *of, struct error *own, struct error *err)
@@ -113,7 +102,7 @@ static bool run(struct measurement *of, const char *words, const char *more, int
     const struct options *options = of->options;
     const bool draws = of->cost->checked && !strstr(more, alone);
     const char *line[MOST_RECORDED + MORE_WORDS] = {options->program, "render"};
-    char own_words[WORDS_LENGTH];
+    char own_words[WORDS_LENGTH], *rest;
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds;
     int n = 2;
@@ -125,7 +114,8 @@ static bool run(struct measurement *of, const char *words, const char *more, int
     if (options->memory_mib > 0)
         snprintf(own_words + length, sizeof own_words - (size_t)length, " --memory=%d",
                  options->memory_mib);
-    add_words(line, &n, own_words);
+    for (char *word = strtok_r(own_words, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
+        line[n++] = word;
     if (options->detector) {
         line[n++] = "--detector";
         line[n++] = options->detector;
@@ -150,7 +140,7 @@ static bool run_more(struct measurement *of, const char *words, const char *more
 
 /* Finds how far the latest stack is off from another. */
 static bool differ(const struct measurement *of, struct seen_stack *standard,
-                   struct colour_difference *out, struct error *err)
+                   struct pixel_difference *out, struct error *err)
 {
     return stack_difference(standard, of->stacks[STACK], of->cost->observer, of->options->threads,
                             out, err);
@@ -302,7 +292,7 @@ static bool refine(struct measurement *of, const char *finest, bool outlines,
 {
     static const double none = 0.02; /* an error that nobody would spend a second on */
     struct seen_stack standard = {.path = of->stacks[FINEST]};
-    struct colour_difference error = {.mean = 0};
+    struct pixel_difference error = {.mean = 0};
     double seconds[3] = {0};
     bool done = run_typical(of, finest, alone, FINEST, &seconds[0], err) &&
                 run_typical(of, "", "", STACK, &seconds[1], err) &&
@@ -316,7 +306,7 @@ static bool refine(struct measurement *of, const char *finest, bool outlines,
         out->after = outlines ? error.mean : error.quantile_95;
         out->factor = seconds[2] / seconds[1];
     }
-    seen_free(&standard);
+    free(standard.pixels);
     return done;
 }
 
@@ -424,7 +414,7 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
     for (int i = 0; i < N_STACKS; i++)
         guard_forget(of.stacks[i]);
     folder_close(&of.folder);
-    seen_free(&of.standard);
+    free(of.standard.pixels);
     scene_free(&of.scene);
     return done;
 }

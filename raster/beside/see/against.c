@@ -9,7 +9,6 @@
 /* The colours of both regions under a light. */
 struct match {
     double xyz[2][3], white[3], difference; /* CIEDE2000 */
-    double index;                           /* of metamerism; NaN: a recorded XYZ is 0 */
 };
 struct pair {
     struct probe probes[2];
@@ -41,27 +40,26 @@ static void match_under(struct pair *pair, struct match *out)
     out->difference = difference(out->xyz[0], out->xyz[1], out->white);
 }
 
-/* Finds the index of a light beside the recorded one. */
-static void find_index(const struct match *recorded, struct match *out)
+/* Returns the metamerism index of a light beside the recorded one; NaN: a recorded XYZ is 0. */
+static double metamerism_index(const struct match *recorded, const struct match *other)
 {
     double corrected[3];
     bool exists = true;
     for (int i = 0; i < 3; i++) {
-        corrected[i] = out->xyz[1][i] * recorded->xyz[0][i] / recorded->xyz[1][i];
+        corrected[i] = other->xyz[1][i] * recorded->xyz[0][i] / recorded->xyz[1][i];
         exists = exists && recorded->xyz[0][i] > 0 && recorded->xyz[1][i] > 0;
     }
-    out->index = exists ? difference(out->xyz[0], corrected, out->white) : (double)NAN;
+    return exists ? difference(other->xyz[0], corrected, other->white) : (double)NAN;
 }
 
 /* ---- before ---- */
 
 static bool open_pair(struct pair *pair, const struct options *options, struct error *err)
 {
-    const char *stack = options->operand;
     bool done = true;
     for (int k = 0; done && k < 2; k++)
-        done = probe_stack(&pair->probes[k], stack, err);
-    if (!done || !cube_open(stack, &pair->cube, err))
+        done = probe_stack(&pair->probes[k], err);
+    if (!done || !cube_open(options->operand, &pair->cube, err))
         return false;
     const int n = pair->n = pair->cube.image.n_pages;
     if (!MAKE_ARRAY(pair->white, 4 * n, err, "spectra of %d bands", n))
@@ -98,7 +96,7 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
                          struct error *err)
 {
     struct match recorded, other;
-    char index[32];
+    char shown[32];
     memcpy(pair->light, pair->white, (size_t)pair->n * sizeof *pair->light);
     match_under(pair, &recorded);
     print(to, "CIEDE2000         %.4f under the recorded light\n", recorded.difference);
@@ -110,10 +108,10 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
         if (!cube_white(&pair->cube, name, pair->light, err))
             return false;
         match_under(pair, &other);
-        find_index(&recorded, &other);
-        snprintf(index, sizeof index, "%.4f", other.index);
+        const double index = metamerism_index(&recorded, &other);
+        snprintf(shown, sizeof shown, "%.4f", index);
         print(to, "CIEDE2000         %.4f under %s, metamerism index %s\n", other.difference, name,
-              isnan(other.index) ? "none" : index);
+              isnan(index) ? "none" : shown);
     }
     return true;
 }

@@ -140,18 +140,13 @@ static double on_scale(const struct axis *axis, double value)
     return axis->logarithmic ? binary_logarithm(value) : value;
 }
 
-/* Returns the part of an axis that lies below a value. */
-static double part_of(const struct axis *axis, double value)
-{
-    const double first = on_scale(axis, tick_value(axis, axis->first)),
-                 last = on_scale(axis, tick_value(axis, axis->last));
-    return (on_scale(axis, value) - first) / (last - first);
-}
-
 /* Returns the place of a value along its axis. */
 static double place_of(const struct plot *plot, enum side side, double value)
 {
-    const double part = part_of(&plot->axes[side], value);
+    const struct axis *axis = &plot->axes[side];
+    const double first = on_scale(axis, tick_value(axis, axis->first)),
+                 last = on_scale(axis, tick_value(axis, axis->last)),
+                 part = (on_scale(axis, value) - first) / (last - first);
     return side == ACROSS ? LEFT + (RIGHT - LEFT) * part : BOTTOM - (BOTTOM - TOP) * part;
 }
 

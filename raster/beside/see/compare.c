@@ -39,35 +39,6 @@ void rows_close(struct stack_rows *rows)
     rows->samples = NULL;
 }
 
-/* ---- tolerances ---- */
-
-bool tolerance_read(const char *text, struct tolerance *out, struct error *err)
-{
-    static const struct {
-        const char *ending;
-        enum pixel_measure measure;
-    } units[] = {{"dE76", CIE76}, {"dE94", CIE94}, {"dE00", CIEDE2000}, {"%", RADIANCE}};
-    struct word word = {.start = text, .length = strlen(text)};
-    out->measure = RADIANCE;
-    out->percent = false;
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        const size_t length = strlen(units[i].ending);
-        if (word.length > length && strcmp(text + word.length - length, units[i].ending) == 0) {
-            out->measure = units[i].measure;
-            out->percent = units[i].measure == RADIANCE;
-            word.length -= length;
-            break;
-        }
-    }
-    struct error ignored = {.status = EXIT_AGREED};
-    return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
-           error_usage(
-               err,
-               "--tolerance takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
-               "colour difference as 0.5dE00, not '%.100s'",
-               text);
-}
-
 /* ---- statistics of pixels ---- */
 
 /* A measure of all pixels, in bins that share the first 10 binary digits of a float's mantissa. A
@@ -193,7 +164,8 @@ static void map_pixel(struct comparison *of, size_t at)
 
 /* ---- rows ---- */
 
-/* Reads a pixel of the rows at hand. Returns the largest of its pages. */
+/* Reads a pixel of the rows at hand. Returns the largest of its pages; 0: it is black, since no
+ * page is negative. */
 static double read_pixel(const struct stack_rows *rows, size_t at, double *out)
 {
     double largest = 0;
@@ -204,13 +176,6 @@ static double read_pixel(const struct stack_rows *rows, size_t at, double *out)
     return largest;
 }
 
-static bool is_black(const double *pages, int n)
-{
-    while (n > 0 && pages[n - 1] == 0)
-        n--;
-    return n == 0;
-}
-
 /* A has been seen in an earlier comparison. */
 static bool is_known(const struct comparison *of)
 {
@@ -218,16 +183,14 @@ static bool is_known(const struct comparison *of)
 }
 
 /* Sees a pixel of A, or knows it; its colour only if that is wanted. */
-static struct seen_pixel see_pixel(const struct comparison *of, const double *pages, size_t pixel,
-                                   bool coloured)
+static struct seen_pixel see_pixel(const struct comparison *of, const double *pages, bool black,
+                                   size_t pixel, bool coloured)
 {
-    const int n = of->a.cube.image.n_pages;
-    struct seen_pixel seen = {.xyz = {0}};
+    struct seen_pixel seen = {.black = black};
     if (is_known(of))
         return of->seen->pixels[pixel];
-    seen.black = is_black(pages, n);
     if (coloured)
-        detector_response(of->sight.weights, pages, n, seen.xyz);
+        detector_response(of->sight.weights, pages, of->a.cube.image.n_pages, seen.xyz);
     if (of->seen)
         of->seen->pixels[pixel] = seen;
     return seen;
@@ -245,20 +208,20 @@ static void compare_row(void *context, int row)
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
         double *measures = of->measures[at];
-        if (!is_known(of))
-            of->largest_a[row] = fmax(of->largest_a[row], read_pixel(&of->a, at, a));
-        read_pixel(&of->b, at, b);
+        const double largest_a = is_known(of) ? 0 : read_pixel(&of->a, at, a),
+                     largest_b = read_pixel(&of->b, at, b);
         const double largest = of->alike ? compare_bands(a, b, n_a, x, y, bands) : 0;
         const bool coloured = of->sight.has_white && (largest > 0 || !of->alike);
         const struct seen_pixel seen =
-            see_pixel(of, a, (size_t)y * (size_t)width + (size_t)x, coloured);
+            see_pixel(of, a, largest_a == 0, (size_t)y * (size_t)width + (size_t)x, coloured);
         memset(measures, 0, sizeof of->measures[at]);
         measures[RADIANCE] = largest;
         if (largest > 0)
             measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n_a);
         if (coloured)
             compare_colours(of, seen.xyz, b, measures);
-        of->black[at] = seen.black && is_black(b, n_b);
+        of->largest_a[row] = fmax(of->largest_a[row], largest_a);
+        of->black[at] = seen.black && largest_b == 0;
         map_pixel(of, at);
     }
 }
@@ -456,21 +419,14 @@ void comparison_free(struct comparison *of)
 }
 
 bool stack_difference(struct seen_stack *a, const char *b, const char *observer, int threads,
-                      struct colour_difference *out, struct error *err)
+                      struct pixel_difference *out, struct error *err)
 {
     struct options options = {
         .operands = {a->path, b}, .n_operands = 2, .detector = observer, .threads = threads};
     struct comparison of = {.options = &options, .tolerance = {.measure = CIEDE2000}, .seen = a};
-    const struct pixel_difference *found = &of.pixels[CIEDE2000];
     const bool done = compare(&of, err);
     if (done)
-        *out = (struct colour_difference){found->mean, found->quantile_95, found->peak.largest};
+        *out = of.pixels[CIEDE2000];
     comparison_free(&of);
     return done;
-}
-
-void seen_free(struct seen_stack *seen)
-{
-    free(seen->pixels);
-    *seen = (struct seen_stack){.path = NULL};
 }

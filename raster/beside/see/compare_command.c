@@ -8,6 +8,36 @@ struct compare_own {
     const char *tolerance, *map;
 };
 
+/* ---- the tolerance ---- */
+
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76", the value of --tolerance. */
+static bool read_tolerance(const char *text, struct tolerance *out, struct error *err)
+{
+    static const struct {
+        const char *ending;
+        enum pixel_measure measure;
+    } units[] = {{"dE76", CIE76}, {"dE94", CIE94}, {"dE00", CIEDE2000}, {"%", RADIANCE}};
+    struct word word = {.start = text, .length = strlen(text)};
+    out->measure = RADIANCE;
+    out->percent = false;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        const size_t length = strlen(units[i].ending);
+        if (word.length > length && strcmp(text + word.length - length, units[i].ending) == 0) {
+            out->measure = units[i].measure;
+            out->percent = units[i].measure == RADIANCE;
+            word.length -= length;
+            break;
+        }
+    }
+    struct error ignored = {.status = EXIT_AGREED};
+    return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
+           error_usage(
+               err,
+               "--tolerance takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
+               "colour difference as 0.5dE00, not '%.100s'",
+               text);
+}
+
 /* ---- in words ---- */
 
 static const char *name_of_pixel(const struct peak *peak, char out[32])
@@ -158,7 +188,7 @@ static bool run_compare(struct options *options, struct error *err)
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    bool done = tolerance_read(tolerance, &comparison.tolerance, err) &&
+    bool done = read_tolerance(tolerance, &comparison.tolerance, err) &&
                 (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
                 scene_refuse(b, err) && compare(&comparison, err) &&
                 (!options->json || write_json(options, &comparison, err));

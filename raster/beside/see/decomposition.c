@@ -4,8 +4,6 @@
  * Materials share the pages: a pixel shows one. */
 #include "raster/beside/see/inside.h"
 
-enum { BLOCK_PIXELS = 1 << 10 };
-
 /* A page of a chunk. */
 struct page_chunk {
     const struct decomposition *of;
@@ -25,20 +23,17 @@ int weight_pages(const struct plan *plan)
     return 1 + 2 * plan->n_lights;
 }
 
-/* Returns the number of pages of a texture. *nm are their wavelengths. */
-static int pages_of(const struct plan *plan, const struct texture *texture, bool own,
-                    const double **nm)
+/* Returns the number of pages of a texture. */
+static int pages_of(const struct plan *plan, const struct texture *texture, bool own)
 {
-    *nm = own ? texture->image.wavelengths_nm : plan->scene->wavelengths_nm;
     return !texture->spectral ? !own : own ? texture->image.n_pages : plan->n_bands;
 }
 
 int texture_pages(const struct plan *plan, bool own_wavelengths)
 {
-    const double *nm;
     int most = 0;
     for (int i = 0; i < plan->n_textures; i++) {
-        const int n = pages_of(plan, &plan->textures[i], own_wavelengths, &nm);
+        const int n = pages_of(plan, &plan->textures[i], own_wavelengths);
         most = n > most ? n : most;
     }
     return most;
@@ -48,12 +43,13 @@ int texture_pages(const struct plan *plan, bool own_wavelengths)
 static bool load(const struct page_chunk *chunk, int first, struct error *err)
 {
     const struct plan *plan = chunk->lit->plan;
+    const bool own = chunk->of->own_wavelengths;
     for (int i = 0; i < plan->n_textures; i++) {
-        const double *nm;
-        const int left =
-            pages_of(plan, &plan->textures[i], chunk->of->own_wavelengths, &nm) - first;
-        if (left > 0 && !texture_load(&plan->textures[i], nm + first,
-                                      left < BANDS_PER_PASS ? left : BANDS_PER_PASS, err))
+        struct texture *texture = &plan->textures[i];
+        const double *nm = own ? texture->image.wavelengths_nm : plan->scene->wavelengths_nm;
+        const int left = pages_of(plan, texture, own) - first;
+        if (left > 0 &&
+            !texture_load(texture, nm + first, left < BANDS_PER_PASS ? left : BANDS_PER_PASS, err))
             return false;
     }
     return true;
@@ -94,13 +90,6 @@ static double value_at(const struct page_chunk *chunk, size_t pixel)
     return 0;
 }
 
-static void find_values(void *context, size_t first, size_t end)
-{
-    const struct page_chunk *chunk = context;
-    for (size_t i = first; i < end; i++)
-        chunk->values[i] = (float)value_at(chunk, i);
-}
-
 static bool take_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct page_chunk *chunk = context;
@@ -115,8 +104,8 @@ static bool take_tile(void *context, const struct tile *tile, struct error *err)
             done = load(chunk, texture, err);
         for (int i = 0; done && i < tile->n_chunks; i++) {
             chunk->picture = &tile->chunks[i].picture;
-            threads_blocks(plan->options.threads, picture_pixels(chunk->picture), BLOCK_PIXELS,
-                           find_values, chunk);
+            for (size_t pixel = 0; pixel < picture_pixels(chunk->picture); pixel++)
+                chunk->values[pixel] = (float)value_at(chunk, pixel);
             done = of->take(of->context, chunk->picture, chunk->page, chunk->values, err);
         }
     }

@@ -20,7 +20,6 @@ static bool make_room(struct development *of, struct error *err)
     const int rows = (int)(CHUNK_BYTES / pixel / (size_t)image->width);
     of->most = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->stride = (size_t)of->most * (size_t)image->width;
-    of->threads = threads_count(of->threads);
     return (of->lit || MAKE_ARRAY(of->radiance, of->stride, err, "rows of %s", image->path)) &&
            MAKE_ARRAY(of->sums, n * of->stride, err, "rows of the picture") &&
            (memory_make(&of->samples, n * of->stride, (size_t)of->bits / 8) ||
@@ -50,7 +49,7 @@ static bool sum_rows(struct development *of, int y, struct error *err)
     struct image *image = &of->cube.image;
     const struct rectangle at = {0, y, image->width,
                                  of->most < image->height - y ? of->most : image->height - y};
-    struct radiances scene = {of->threads, add_band, of};
+    struct radiances scene = {threads_count(of->options->threads), add_band, of};
     memset(of->sums, 0, (size_t)of->sight.detector.n * of->stride * sizeof *of->sums);
     of->first = y;
     of->n = (size_t)at.width * (size_t)at.height;
@@ -160,7 +159,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
     const struct record *record = &of->cube.record;
-    print(to, "detector          %s (%s)\n", of->detector_name,
+    print(to, "detector          %s (%s)\n", options_detector(of->options),
           of->sight.detector.observer ? "observer" : "camera or film, balanced to the white");
     if (!of->sight.detector.named)
         print(to, "channels          %s, %s, %s as red, green, blue\n",
@@ -175,7 +174,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
     }
     if (of->sight.has_white)
         print_white(to, of->sight.white, of->sight.detector.observer,
-                    of->white ? of->white : "recorded");
+                    of->options->white ? of->options->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
     print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
@@ -188,7 +187,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
     print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
 }
 
-static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
+static bool open_picture(const struct development *of, struct picture_writer *out,
                          struct error *err)
 {
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
@@ -198,7 +197,8 @@ static bool open_picture(const struct development *of, const char *path, struct 
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
               "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, of->detector_name, display_names[of->display], of->exposure);
+              of->cube.image.path, options_detector(of->options), display_names[of->display],
+              of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -215,7 +215,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
         .profile_length = profile->length,
         .description = text,
         .memory = of->memory};
-    const bool done = text && picture_open(out, path, &options, err);
+    const bool done = text && picture_open(out, of->options->output, &options, err);
     free(text);
     return done;
 }
@@ -229,8 +229,7 @@ const char *raw_unit(const struct development *of)
                                          : "W sr-1 m-2";
 }
 
-static bool open_raw(const struct development *of, const char *path, struct stack_writer *out,
-                     struct error *err)
+static bool open_raw(const struct development *of, struct stack_writer *out, struct error *err)
 {
     struct printed made = {.text = NULL}, channels = {.text = NULL};
     for (int i = 0; i < of->sight.detector.n; i++)
@@ -251,7 +250,7 @@ static bool open_raw(const struct development *of, const char *path, struct stac
                                           .bits = of->bits,
                                           .scene = of->cube.image.path,
                                           .provenance = text};
-    const bool done = text && names && stack_open(out, path, &options, err);
+    const bool done = text && names && stack_open(out, of->options->output, &options, err);
     free(text);
     free(names);
     return done;
@@ -271,44 +270,39 @@ static bool put_raw(const struct development *of, struct stack_writer *writer, s
 
 /* ---- the file ---- */
 
-static bool write_picture(struct development *of, const char *path, struct error *err)
+static bool write_picture(struct development *of, struct error *err)
 {
     const bool is_raw = of->values == DEVELOP_RAW;
     const int width = of->cube.image.width;
     struct picture_writer picture;
     struct stack_writer raw;
-    bool done = is_raw ? open_raw(of, path, &raw, err) : open_picture(of, path, &picture, err);
+    bool done = is_raw ? open_raw(of, &raw, err) : open_picture(of, &picture, err);
     if (!done)
         return false;
     for (int y = 0; done && y < of->cube.image.height; y += of->most) {
         done = sum_rows(of, y, err);
-        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        threads_blocks(threads_count(of->options->threads), of->n, BLOCK_PIXELS, store_pixels, of);
         done = done && (is_raw ? put_raw(of, &raw, err)
                                : picture_write(&picture, of->samples, (int)of->n / width, err));
     }
     if (is_raw) {
         done = done && stack_finish(&raw, "raw values have no check of their own", err) &&
-               output_pass(&raw.pages.output, of->outputs, err);
+               output_pass(&raw.pages.output, &of->options->outputs, err);
         stack_discard(&raw);
     } else {
-        done = done && picture_commit(&picture, of->outputs, err);
+        done = done && picture_commit(&picture, &of->options->outputs, err);
         picture_discard(&picture);
     }
     return done;
 }
 
-/* Writes the picture of the cube, which is open. */
-static bool develop_cube(struct development *of, const char *path, struct error *err)
+bool develop(struct development *of, struct error *err)
 {
     of->clipped = (struct counter)COUNTER;
     of->full_scale = 1;
-    return develop_weights(of, err) && make_room(of, err) && find_exposure(of, err) &&
-           write_picture(of, path, err);
-}
-
-bool develop(struct development *of, const char *stack, const char *output, struct error *err)
-{
-    return cube_open(stack, &of->cube, err) && develop_cube(of, output, err);
+    return (of->lit || cube_open(of->options->operand, &of->cube, err)) &&
+           develop_weights(of, err) && make_room(of, err) && find_exposure(of, err) &&
+           write_picture(of, err);
 }
 
 bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
@@ -330,17 +324,14 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
 bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
                    uint64_t *out_of_gamut, struct error *err)
 {
-    struct development of = {.detector_name = options_detector(options),
+    struct development of = {.options = options,
                              .display = DISPLAY_SRGB,
                              .bits = 8,
-                             .threads = lit->plan->options.threads,
                              .exposure = 1,
                              .automatic = memory != NULL,
-                             .outputs = &options->outputs,
                              .memory = memory,
                              .lit = lit};
-    const bool done =
-        scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, options->output, err);
+    const bool done = scene_cube(lit->plan->scene, &of.cube, err) && develop(&of, err);
     *out_of_gamut = of.clipped.n;
     free(of.cube.record.white.value);
     of.cube = (struct cube){.components = false}; /* the scene owns the rest */

@@ -12,8 +12,7 @@ struct develop_own {
 static bool read_options(struct options *options, struct development *out, struct error *err)
 {
     const struct develop_own *own = options->own;
-    *out = (struct development){.detector_name = options_detector(options),
-                                .white = options->white,
+    *out = (struct development){.options = options,
                                 .exposure = 1,
                                 .display = own->display && strcmp(own->display, "monitor") == 0
                                                ? DISPLAY_MONITOR
@@ -22,9 +21,7 @@ static bool read_options(struct options *options, struct development *out, struc
                                           : own->xyz ? DEVELOP_XYZ
                                           : own->lab ? DEVELOP_LAB
                                                      : DEVELOP_RGB,
-                                .automatic = own->exposure && strcmp(own->exposure, "auto") == 0,
-                                .threads = options->threads,
-                                .outputs = &options->outputs};
+                                .automatic = own->exposure && strcmp(own->exposure, "auto") == 0};
     out->bits = own->bits ? (int)strtol(own->bits, NULL, 10) : out->values == DEVELOP_RGB ? 8 : 32;
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
@@ -76,7 +73,7 @@ static bool write_json(struct options *options, const struct development *of, st
     static const char *const values[] = {"RGB", "XYZ", "Lab"};
     struct json json;
     json_begin(&json);
-    json_string(&json, "detector", of->detector_name);
+    json_string(&json, "detector", options_detector(options));
     json_truth(&json, "observer", of->sight.detector.observer);
     json_numbers(&json, "white", of->sight.has_white ? of->sight.white : NULL, 3);
     json_string(&json, "adaptation", adaptation_names[of->adaptation.kind]);
@@ -139,7 +136,7 @@ static bool run_develop(struct options *options, struct error *err)
     if (!name_picture(options, stack, err) || !read_options(options, &of, err) ||
         !check_raw(options, err))
         return false;
-    const bool done = scene_refuse(stack, err) && develop(&of, stack, options->output, err) &&
+    const bool done = scene_refuse(stack, err) && develop(&of, err) &&
                       (!options->json || write_json(options, &of, err));
     if (done && !options->quiet)
         (of.values == DEVELOP_RAW ? print_raw : print_development)(&of, options->output, &printed);

@@ -37,20 +37,17 @@ enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
 /* A stack that is being developed. */
 struct development {
     /* The caller sets these, and zeroes all others. */
-    const char *detector_name;    /* or file */
-    const char *white;            /* SPECTRUM; NULL: what the stack records */
+    struct options *options; /* detector, white, threads and output; its outputs get the picture */
     struct adaptation adaptation; /* a luminance of 0 is found */
     enum display_kind display;
     enum develop_values values;
     int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
                         of counts of the largest */
-    int threads;     /* 0: one a processor */
     double exposure; /* factor of all radiances */
     bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
                         the picture to just 1 (or 100), or the largest raw value to 1 */
-    struct outputs *outputs;     /* get the picture; NULL: it appears at once */
     struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
-    const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
+    const struct lit_scene *lit; /* is drawn in place of a stack, and has a cube; NULL: none */
     /* The findings. */
     struct cube cube;
     double first_nm, last_nm; /* of pages, or of the range of components */
@@ -68,11 +65,11 @@ struct development {
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
-/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
- * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
- * after a failure. */
-bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+/* Reads the stack that is the operand and writes a picture of it, whose format follows from the
+ * ending of its name; a PNG has no XYZ, no Lab and no raw values. The channels of cameras and films
+ * are balanced: each is divided by the white's. Refuses adaptation, XYZ and Lab for them. The
+ * caller frees *of, also after a failure. */
+bool develop(struct development *of, struct error *err);
 const char *raw_unit(const struct development *of); /* of raw values */
 /* Prints a white in a detector's channels, and where it comes from. */
 void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
@@ -94,21 +91,9 @@ struct tolerance {
     enum pixel_measure measure;
     bool percent; /* of A's largest radiance */
 };
-/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76", the value of --tolerance. */
-bool tolerance_read(const char *text, struct tolerance *out, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
-struct peak {
-    double largest;
-    int x, y; /* the first pixel that has it */
-};
-/* A measure over all pixels. */
-struct pixel_difference {
-    struct peak peak;
-    double mean;
-    double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-};
 struct band_difference {
     struct peak peak; /* of |A - B|, in radiance */
     double rms;
@@ -178,8 +163,8 @@ void columns_print_csv(const struct column *columns, int n_columns, int n, struc
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    struct rectangle at;          /* the region in pixels: not negative; sides of 1 or more */
-    const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
+    struct rectangle at;           /* the region in pixels: not negative; sides of 1 or more */
+    const struct options *options; /* the stack or scene, and who sees it under which white */
     const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */
     char *source;  /* stack or scene; owned */
@@ -221,16 +206,16 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
 void note_shown(struct probe *probe, int number);
 /* Ends it: the means of its moments, and their colour under the white of the cube. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
-/* probe_objects.c: probes a stack: the region, or the object that is wanted, without its edges.
- * Refuses a stack without spectra and a region outside the picture. The caller frees *probe, here
- * and below, also after a failure. */
-bool probe_stack(struct probe *probe, const char *path, struct error *err);
+/* probe_objects.c: probes the stack that is the operand: the region, or the object that is wanted,
+ * without its edges. Refuses a stack without spectra and a region outside the picture. The caller
+ * frees *probe, here and below, also after a failure. */
+bool probe_stack(struct probe *probe, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
  * excitation, emission and own light, and the emission of a matrix under each light. The region is
  * one of the plan's picture, whose samples are floats. */
-bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
+bool probe_scene(struct probe *probe, struct error *err);
 void probe_free(struct probe *probe);
 
 /* Writes the pixel or region in words, e.g. "pixel 3,4". */

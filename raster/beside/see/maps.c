@@ -6,7 +6,7 @@
  * its maps. */
 #include "raster/beside/see/inside.h"
 
-enum { KEY = 64, BLOCK_PIXELS = 1 << 10 };
+enum { KEY = 64 };
 
 /* The pages behind the weights. Lengths are those of the scene. */
 enum { DEPTH, EYE, WORLD = EYE + 3, NORMAL = WORLD + 3, S = NORMAL + 3, T, OBJECT, TRIANGLE };
@@ -113,12 +113,11 @@ static void put_place(const struct maps *of, size_t pixel, float *values)
     values[MAP_MATERIAL * n] = (float)(plan->instances[surface].shaded + 1);
 }
 
-/* Finds the places of some pixels. */
-static void put_places(void *context, size_t first, size_t end)
+/* Finds the places of the pixels of the chunk. */
+static void put_places(const struct maps *of)
 {
-    const struct maps *of = context;
     const size_t n = picture_pixels(of->picture);
-    for (size_t i = first; i < end; i++) {
+    for (size_t i = 0; i < n; i++) {
         for (size_t page = 0; page < PLACES; page++)
             of->values[page * n + i] = 0;
         if (of->picture->surface[i] >= 0)
@@ -144,7 +143,7 @@ static bool take_page(void *context, const struct picture *picture, int page, co
     bool done = true;
     of->picture = picture;
     if (page == 0)
-        threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_places, of);
+        put_places(of);
     for (int i = 0; page == 0 && done && i < PLACES; i++)
         done = write_page(of, of->n_weights + i, of->values + (size_t)i * n, err);
     return done && write_page(of, page < of->n_weights ? page : page + PLACES, values, err);

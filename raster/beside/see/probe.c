@@ -111,13 +111,14 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
  * the probe names if it cannot be used. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
-    const struct white_request white = {probe->white, false};
+    const struct white_request white = {probe->options->white, false};
     const struct sight *sight = &probe->sight;
     const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    if (!sight_make(cube, SIGHT_OF_OBSERVER, probe->observer, &white, &probe->sight, err))
+    if (!sight_make(cube, SIGHT_OF_OBSERVER, options_detector(probe->options), &white,
+                    &probe->sight, err))
         return false;
     detector_response(sight->weights, mean, probe->n, probe->xyz);
     if (sight->has_white)
@@ -150,7 +151,7 @@ static void add_band(void *context, const struct drawn_band *drawn)
  */
 enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 
-/* Adds the curve factor x spectrum; spectrum NULL: 1 at every wavelength. */
+/* Adds the curve factor x spectrum. */
 static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
                       const struct spectrum *spectrum, struct error *err)
 {
@@ -159,9 +160,7 @@ static bool add_curve(struct probe *probe, const char *name, enum curve_kind kin
         return false;
     const enum spectrum_ends ends = kind == REFLECTANCE ? SPECTRUM_HOLD : SPECTRUM_ZERO;
     for (int i = 0; i < probe->n; i++)
-        out->values[i] =
-            factor *
-            (spectrum ? spectrum_at(spectrum, probe->columns[WAVELENGTH].values[i], ends) : 1);
+        out->values[i] = factor * spectrum_at(spectrum, probe->columns[WAVELENGTH].values[i], ends);
     return true;
 }
 
@@ -190,23 +189,26 @@ static bool add_lights(struct probe *probe, const struct scene *scene, const str
 
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
-    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE,
-               tinted = material->specular.kind != SPECTRUM_NONE;
+    static const struct spectrum none = {.kind = SPECTRUM_NONE},
+                                 one = {SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1};
+    const bool tinted = material->specular.kind != SPECTRUM_NONE;
     const struct {
-        bool there;
         const char *name;
         enum curve_kind kind;
         const struct spectrum *spectrum;
-    } curves[] = {{true, "reflectance", REFLECTANCE, &material->diffuse},
-                  {material->gloss > 0, "specular reflectance", REFLECTANCE,
-                   tinted ? &material->specular : NULL},
-                  {fluoresces, "excitation", LUMINESCENCE, &material->excitation},
-                  {fluoresces, "emission", LUMINESCENCE, &material->emission},
-                  {material->glow.kind != SPECTRUM_NONE, "own light", LIGHT, &material->glow}};
+    } curves[] = {{"reflectance", REFLECTANCE, &material->diffuse},
+                  {"specular reflectance", REFLECTANCE,
+                   !(material->gloss > 0) ? &none
+                   : tinted               ? &material->specular
+                                          : &one},
+                  {"excitation", LUMINESCENCE, &material->excitation},
+                  {"emission", LUMINESCENCE, &material->emission},
+                  {"own light", LIGHT, &material->glow}};
     bool done = true;
     for (size_t i = 0; i < sizeof curves / sizeof curves[0]; i++)
-        done = done && (!curves[i].there || add_curve(probe, curves[i].name, curves[i].kind, 1,
-                                                      curves[i].spectrum, err));
+        done =
+            done && (curves[i].spectrum->kind == SPECTRUM_NONE ||
+                     add_curve(probe, curves[i].name, curves[i].kind, 1, curves[i].spectrum, err));
     return done;
 }
 
@@ -225,18 +227,26 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- a whole scene ---- */
 
-bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
+bool probe_scene(struct probe *probe, struct error *err)
 {
-    struct region region = {.lit = {.plan = plan}, .probe = probe};
+    const struct options *options = probe->options;
+    struct render_job job = {
+        .options = {.store_raster = true, .bits = 32, .threads = options->threads}};
+    struct region region = {.lit = {.plan = &job.plan}, .probe = probe};
     struct radiances radiances = {1, add_band, &region}; /* sums have the order of pixels */
-    struct cube cube;
-    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube, err) &&
-                      lit_make(plan, driver_of(NULL), &region.lit, err) &&
-                      find_full_scale(&region.lit, err) &&
-                      radiances_each(&region.lit, &probe->at, &radiances, err) &&
-                      add_curves(&region, err) && probe_end(probe, &cube, err);
+    struct cube cube = {.components = false};
+    bool done = scene_read_options(options, &job.scene, err);
+    if (job.scene.shading == SHADING_PHONG) /* which may have no largest radiance */
+        job.options.full_scale = 1;
+    done = done && job_plan(options, &job, err) && scene_cube(&job.scene, &cube, err) &&
+           probe_begin(probe, &cube, err) &&
+           lit_make(&job.plan, driver_of(NULL), &region.lit, err) &&
+           find_full_scale(&region.lit, err) &&
+           radiances_each(&region.lit, &probe->at, &radiances, err) && add_curves(&region, err) &&
+           probe_end(probe, &cube, err);
     free(cube.record.white.value);
     lit_free(&region.lit);
+    job_free(&job);
     return done;
 }
 

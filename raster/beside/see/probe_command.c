@@ -10,24 +10,21 @@ struct probe_own {
 
 /* ---- operands ---- */
 
-/* Reads "X,Y", or takes the word as the name or number of an object. */
-static bool read_printed(const char *word, struct probe *out, struct error *err)
-{
-    char x[16], y[16];
-    int end = 0;
-    if (sscanf(word, "%15[0-9],%15[0-9]%n", x, y, &end) == 2 && word[end] == '\0')
-        return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
-               option_count("Y", y, 0, INT32_MAX, &out->at.y, err);
-    out->wanted = word;
-    return true;
-}
-
+/* Reads the words behind the stack or scene: X Y; X Y W H; "X,Y", as commands print it; or the name
+ * or number of an object. */
 static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
-    int *numbers[] = {&out->at.x, &out->at.y, &out->at.width, &out->at.height};
-    if (options->n_operands == 2) /* X,Y, as printed; or an object */
-        return read_printed(options->operands[1], out, err);
+    int *numbers[] = {&out->at.x, &out->at.y, &out->at.width, &out->at.height}, end = 0;
+    const char *word = options->operands[1];
+    char x[16], y[16];
+    if (options->n_operands == 2) {
+        if (sscanf(word, "%15[0-9],%15[0-9]%n", x, y, &end) == 2 && word[end] == '\0')
+            return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
+                   option_count("Y", y, 0, INT32_MAX, &out->at.y, err);
+        out->wanted = word;
+        return true;
+    }
     if (options->n_operands != 3 && options->n_operands != 5)
         return error_usage(
             err, "probe takes a STACK or SCENE, X and Y, and optionally W and H; or a STACK "
@@ -74,20 +71,6 @@ static bool read_against(struct options *options, struct probe *first, struct pr
            region_read(options, first, err);
 }
 
-/* ---- a probe ---- */
-
-static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
-{
-    struct render_job job = {
-        .options = {.store_raster = true, .bits = 32, .threads = options->threads}};
-    bool done = scene_read_options(options, &job.scene, err);
-    if (job.scene.shading == SHADING_PHONG) /* which may have no largest radiance */
-        job.options.full_scale = 1;
-    done = done && job_plan(options, &job, err) && probe_scene(probe, &job.plan, err);
-    job_free(&job);
-    return done;
-}
-
 static bool probe_operand(const struct options *options, struct probe *probe, struct error *err)
 {
     bool is_stack;
@@ -96,8 +79,8 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
     if (!is_stack)
         return probe->wanted
                    ? error_usage(err, "objects are found in stacks; a scene takes X and Y")
-                   : probe_picture(options, probe, err);
-    return stack_refuses_changes(options, err) && probe_stack(probe, options->operand, err);
+                   : probe_scene(probe, err);
+    return stack_refuses_changes(options, err) && probe_stack(probe, err);
 }
 
 /* ---- out ---- */
@@ -107,7 +90,7 @@ static void print_colour(const struct probe *probe, struct printed *to)
     double xy[2];
     const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->sight.white;
     chromaticity(xyz, xy);
-    print_fact(to, "observer", probe->observer);
+    print_fact(to, "observer", options_detector(probe->options));
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
           probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
@@ -158,7 +141,7 @@ static void probe_json(const struct probe *probe, struct json *json)
         json_count(json, "height", (uint64_t)probe->at.height);
     }
     json_string(json, "object", probe->object);
-    json_string(json, "observer", probe->observer);
+    json_string(json, "observer", options_detector(probe->options));
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);
@@ -252,8 +235,7 @@ static bool check_forms(const struct options *options, struct error *err)
 static bool run_probe(struct options *options, struct error *err)
 {
     const struct probe_own *own = options->own;
-    struct probe probe = {
-        .at = {0, 0, 1, 1}, .observer = options_detector(options), .white = options->white};
+    struct probe probe = {.at = {0, 0, 1, 1}, .options = options};
     if (!check_forms(options, err))
         return false;
     if (own->objects)

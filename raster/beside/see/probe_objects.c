@@ -181,10 +181,11 @@ static bool choose_pixels(struct measured *of, struct probe *probe, struct error
     return of->first > 0;
 }
 
-bool probe_stack(struct probe *probe, const char *path, struct error *err)
+bool probe_stack(struct probe *probe, struct error *err)
 {
     struct measured of = {.edges = false};
     const struct cube *cube = &of.rows.cube;
+    const char *path = probe->options->operand;
     bool done = open_stack(&of, path, err) && probe_begin(probe, cube, err) &&
                 choose_pixels(&of, probe, err) && measure(&of, err);
     if (done && probe->moments->n == 0)

@@ -47,11 +47,9 @@ static bool find_weights(const struct cube *cube, const struct detector *detecto
 static void find_lost(const struct cube *cube, const struct detector *detector, double *out)
 {
     const struct record *record = &cube->record;
-    if (record->response.n > 0)
-        detector_lost_outside(detector, record->range_nm.value[0], record->range_nm.value[1], out);
-    else if (record->segments.n > 0)
-        detector_lost_outside(detector, record->segments.value[0],
-                              record->segments.value[record->segments.n - 1], out);
+    const struct numbers *limits = record->response.n > 0 ? &record->range_nm : &record->segments;
+    if (limits->n > 0)
+        detector_lost_outside(detector, limits->value[0], limits->value[limits->n - 1], out);
     else
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
@@ -93,21 +91,17 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-/* Returns whether pages of the method of this name are means over segments, not values in them. */
-static bool takes_means(const char *name)
-{
-    struct sampling_method method;
-    struct error ignored = {0};
-    return sampling_read("", name, &method, &ignored) && method.kind == SAMPLING_BOX;
-}
-
 /* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
  * of its detector. The whole value is one word, blanks and all. */
 static bool white_of_option(const struct cube *cube, const char *value,
                             const struct detector *fixed, double *out, struct error *err)
 {
     const struct record *record = &cube->record;
-    const bool boxes = record->segments.n > 0 && takes_means(record->sampling);
+    struct sampling_method method;
+    struct error ignored = {.status = EXIT_AGREED};
+    const bool boxes = record->segments.n > 0 &&
+                       sampling_read("", record->sampling, &method, &ignored) &&
+                       method.kind == SAMPLING_BOX; /* pages are means over their segments */
     const double *segments = record->segments.value;
     const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};

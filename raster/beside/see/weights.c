@@ -75,11 +75,11 @@ bool develop_weights(struct development *of, struct error *err)
     const struct image *image = &of->cube.image;
     const double *cells = of->cube.record.range_nm.value, half_cell = 0.5;
     /* The result reports a recorded white even where none is needed. */
-    const struct white_request white = {of->white, of->adaptation.kind != ADAPTATION_NONE ||
-                                                       of->values == DEVELOP_LAB};
+    const struct white_request white = {
+        of->options->white, of->adaptation.kind != ADAPTATION_NONE || of->values == DEVELOP_LAB};
     if ((raw && !cube_needs_radiance(&of->cube, "--raw", err)) ||
-        !sight_make(&of->cube, raw ? SIGHT_OF_CHANNELS : SIGHT_OF_PICTURE, of->detector_name,
-                    &white, &of->sight, err))
+        !sight_make(&of->cube, raw ? SIGHT_OF_CHANNELS : SIGHT_OF_PICTURE,
+                    options_detector(of->options), &white, &of->sight, err))
         return false;
     of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
     of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];
