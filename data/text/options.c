@@ -30,6 +30,8 @@ static const struct option seeing_rows[] = {
      SHARED(TEXT, detector)},
     {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
      SHARED(TEXT, white)},
+    {"--matrix FILE", "takes the detector's values to XYZ: three numbers a channel, a row each",
+     SHARED(TEXT, matrix)},
 };
 const struct option_list common_options = OPTION_LIST(common_rows),
                          threads_option = OPTION_LIST(threads_rows),

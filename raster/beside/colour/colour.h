@@ -19,6 +19,13 @@ double cie76_difference(const double a[3], const double b[3]);
 double cie94_difference(const double standard[3], const double sample[3]);
 double ciede2000_difference(const double a[3], const double b[3]);
 
+/* ---- rows.c: small tables ---- */
+
+/* Reads a file of n rows of three numbers, which blanks, commas or semicolons part; before them may
+ * stand the row's name. Lines without numbers are headings. Refuses anything else. */
+bool rows_of_three(const char *path, const char *const *names, int n, double (*out)[3],
+                   struct error *err);
+
 /* ---- adaptation.c: how the eye adapts to the light ---- */
 
 enum adaptation_kind {

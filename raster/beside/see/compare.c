@@ -382,20 +382,28 @@ static bool open_map(struct comparison *of, struct error *err)
 
 /* ---- the comparison ---- */
 
+struct seeing comparison_seeing(const struct comparison *of, bool is_b)
+{
+    struct seeing by = seeing_of(of->options, of->tolerance.measure != RADIANCE || !of->alike);
+    if (is_b)
+        by = (struct seeing){of->other_detector ? of->other_detector : by.detector, by.matrix, NULL,
+                             false};
+    else if (of->other_detector)
+        by.matrix = NULL;
+    return by;
+}
+
 bool compare(struct comparison *of, struct error *err)
 {
     struct options *options = of->options;
-    const char *observer = options_detector(options);
     struct cube *a = &of->a.cube, *b = &of->b.cube;
     if (!cube_open(options->operands[0], a, err) || !cube_open(options->operands[1], b, err))
         return false;
-    of->alike = !of->seen && are_alike(a, b);
-    const struct white_request white = {options->white,
-                                        of->tolerance.measure != RADIANCE || !of->alike},
-                               none = {NULL, false};
+    of->alike = !of->seen && !of->other_detector && are_alike(a, b);
+    const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
     return check_stacks(a, b, err) && check_wanted(of, err) &&
-           sight_make(a, SIGHT_OF_OBSERVER, observer, &white, &of->sight, err) &&
-           (of->alike || sight_make(b, SIGHT_OF_OBSERVER, observer, &none, &of->other, err)) &&
+           sight_make(a, SIGHT_OF_OBSERVER, &by, &of->sight, err) &&
+           (of->alike || sight_make(b, SIGHT_OF_OBSERVER, &other, &of->other, err)) &&
            allocate(of, err) && (!of->map || open_map(of, err)) && compare_rows(of, err) &&
            (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }

@@ -5,7 +5,8 @@
 #include "raster/beside/see/inside.h"
 
 struct compare_own {
-    const char *tolerance, *map;
+    const char *tolerance, *map, *other;
+    bool objects;
 };
 
 /* ---- the tolerance ---- */
@@ -83,11 +84,11 @@ static void print_pages(const struct comparison *of, struct printed *to)
     char pixel[32];
     print(to, "stacks            %d x %d pixels, %" PRIu64 " not black in both; %d %s\n", a->width,
           a->height, of->n_pixels, a->n_pages, components ? "components" : "wavelengths");
-    if (!of->alike) {
+    if (!of->alike && !of->other_detector)
         print(to, "                  and %d other %s: colours are compared, nothing else\n",
               b->n_pages, of->b.cube.components ? "components" : "wavelengths");
+    if (!of->alike)
         return;
-    }
     print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->peak.largest, blank,
           unit, components ? "component " : "", a->wavelengths_nm[of->largest_band],
           components ? "" : " nm", name_of_pixel(&all->peak, pixel));
@@ -107,7 +108,12 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     print_pages(of, to);
     print_pixels(of, to);
     if (of->sight.has_white) {
-        print_fact(to, "observer", options_detector(of->options));
+        if (of->options->matrix && !of->other_detector)
+            print_detector(to, &of->sight, of->options->matrix);
+        else
+            print_fact(to, "observer", options_detector(of->options));
+        if (of->other_detector)
+            print_detector(to, &of->other, of->options->matrix);
         print_white(to, of->sight.white, true,
                     of->options->white ? of->options->white : "recorded by the first stack");
     } else
@@ -164,6 +170,8 @@ static bool write_json(struct options *options, const struct comparison *of, str
     json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);
     json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
+    json_string(&json, "other", of->other_detector);
+    json_string(&json, "matrix", options->matrix);
     for (int i = of->alike ? SPECTRAL_ANGLE : CIE76;
          i < (of->sight.has_white ? PIXEL_MEASURES : CIE76); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
@@ -177,6 +185,90 @@ static bool write_json(struct options *options, const struct comparison *of, str
     return json_write(&json, options->json, &options->outputs, err);
 }
 
+/* ---- objects ---- */
+
+static int by_size(const void *a, const void *b)
+{
+    const double left = *(const double *)a, right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+/* Refuses stacks of other objects. */
+static bool check_objects(const struct seen_objects *a, const struct seen_objects *b,
+                          const struct options *options, struct error *err)
+{
+    bool same = a->n == b->n;
+    for (int i = 0; same && i < a->n; i++)
+        same = strcmp(a->list[i].name, b->list[i].name) == 0;
+    return same || error_usage(err, "%s and %s show other objects; expected the same, in one order",
+                               options->operands[0], options->operands[1]);
+}
+
+/* Reports the CIEDE2000 of each object that both stacks show, and of all; *largest: of these. */
+static void put_objects(const struct seen_objects *a, const struct seen_objects *b, double *sorted,
+                        struct json *json, struct printed *to, double *largest)
+{
+    double mean = 0;
+    int n = 0;
+    json_open(json, "objects", '[');
+    for (int i = 0; i < a->n; i++) {
+        double of_a[3], of_b[3];
+        if (a->list[i].pixels == 0 || b->list[i].pixels == 0)
+            continue;
+        cielab(a->list[i].xyz, a->white, of_a);
+        cielab(b->list[i].xyz, a->white, of_b);
+        sorted[n] = ciede2000_difference(of_a, of_b);
+        mean += sorted[n];
+        print(to, "%-12.6g ", sorted[n]);
+        print_printable(to, a->list[i].name);
+        print_text(to, "\n");
+        json_open(json, NULL, '{');
+        json_string(json, "name", a->list[i].name);
+        json_number(json, "dE00", sorted[n++]);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    qsort(sorted, (size_t)n, sizeof *sorted, by_size);
+    const double quantile_95 = n > 0 ? sorted[n - n / 20 - 1] : 0;
+    *largest = n > 0 ? sorted[n - 1] : 0;
+    mean /= n > 0 ? n : 1;
+    print(to, "CIEDE2000         %.6g (mean), %.6g (95 %%), %.6g (largest) of %d objects\n", mean,
+          quantile_95, *largest, n);
+    json_number(json, "mean", mean);
+    json_number(json, "quantile_95", quantile_95);
+    json_number(json, "largest", *largest);
+}
+
+static bool compare_objects(struct comparison *of, struct error *err)
+{
+    struct options *options = of->options;
+    if (of->tolerance.measure == RADIANCE && of->tolerance.value == 0)
+        of->tolerance.measure = CIEDE2000;
+    if (of->tolerance.measure != CIEDE2000)
+        return error_usage(err, "--objects compares colours; expected --tolerance as 0.5dE00");
+    const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
+    struct seen_objects a = {.n = 0}, b = {.n = 0};
+    struct printed printed = {.text = NULL};
+    struct json json;
+    double *sorted = NULL, largest = 0;
+    bool done = objects_see(options->operands[0], &by, &a, err) &&
+                objects_see(options->operands[1], &other, &b, err) &&
+                check_objects(&a, &b, options, err) &&
+                MAKE_ARRAY(sorted, a.n, err, "the differences of %d objects", a.n);
+    if (done) {
+        json_begin(&json);
+        put_objects(&a, &b, sorted, &json, &printed, &largest);
+        print_white(&printed, a.white, true, options->white ? options->white : "recorded");
+        done = report_write(options, &json, &printed, err);
+    }
+    seen_objects_free(&a);
+    seen_objects_free(&b);
+    free(sorted);
+    return done && (largest <= of->tolerance.value ||
+                    error_different(err, "%s and %s differ by more than the tolerance",
+                                    options->operands[0], options->operands[1]));
+}
+
 /* ---- the command ---- */
 
 static bool run_compare(struct options *options, struct error *err)
@@ -184,14 +276,19 @@ static bool run_compare(struct options *options, struct error *err)
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
     const char *tolerance = own->tolerance ? own->tolerance : "0";
-    struct comparison comparison = {.options = options, .map = own->map};
+    struct comparison comparison = {
+        .options = options, .map = own->map, .other_detector = own->other};
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    bool done = read_tolerance(tolerance, &comparison.tolerance, err) &&
-                (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-                scene_refuse(b, err) && compare(&comparison, err) &&
-                (!options->json || write_json(options, &comparison, err));
+    if (own->objects && own->map)
+        return error_usage(err, "--objects takes no --map, which shows pixels");
+    bool done = read_tolerance(tolerance, &comparison.tolerance, err);
+    if (done && own->objects)
+        return scene_refuse(a, err) && scene_refuse(b, err) && compare_objects(&comparison, err);
+    done = done && (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
+           scene_refuse(b, err) && compare(&comparison, err) &&
+           (!options->json || write_json(options, &comparison, err));
     if (done && !options->quiet) {
         print_comparison(&comparison, tolerance, &printed);
         if (options->verbose && comparison.alike)
@@ -211,6 +308,10 @@ static const struct option compare_rows[] = {
     {"--map FILE",
      "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
      OWN(TEXT, compare_own, map), .writes = true},
+    {"--other NAME", "this detector sees the second stack, with --matrix; colours are compared",
+     OWN(TEXT, compare_own, other)},
+    {"--objects", "compares the mean colours of each object alone, and prints a line for each",
+     OWN(FLAG, compare_own, objects)},
     {"-v, --verbose", "prints the differences of each wavelength, too", SHARED(FLAG, verbose)},
 };
 const struct command compare_command = {

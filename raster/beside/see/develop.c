@@ -16,7 +16,7 @@ enum {
 static bool make_room(struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    const size_t n = (size_t)of->sight.detector.n, pixel = sizeof(float) + n * sizeof(double);
+    const size_t n = (size_t)of->sight.n, pixel = sizeof(float) + n * sizeof(double);
     const int rows = (int)(CHUNK_BYTES / pixel / (size_t)image->width);
     of->most = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->stride = (size_t)of->most * (size_t)image->width;
@@ -34,7 +34,7 @@ static void add_band(void *context, const struct drawn_band *drawn)
     const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
     const float *radiance = drawn->radiance;
     for (int y = 0; y < at->height; y++, radiance += at->width)
-        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+        for (int channel = 0; channel < of->sight.n; channel++) {
             const double weight = of->sight.weights[channel * n_pages + drawn->band];
             double *restrict sums = of->sums + (size_t)channel * of->stride +
                                     (size_t)(at->y + y - of->first) * (size_t)width + at->x;
@@ -50,7 +50,7 @@ static bool sum_rows(struct development *of, int y, struct error *err)
     const struct rectangle at = {0, y, image->width,
                                  of->most < image->height - y ? of->most : image->height - y};
     struct radiances scene = {threads_count(of->options->threads), add_band, of};
-    memset(of->sums, 0, (size_t)of->sight.detector.n * of->stride * sizeof *of->sums);
+    memset(of->sums, 0, (size_t)of->sight.n * of->stride * sizeof *of->sums);
     of->first = y;
     of->n = (size_t)at.width * (size_t)at.height;
     if (of->lit)
@@ -86,7 +86,7 @@ static bool find_exposure(struct development *of, struct error *err)
     for (int y = 0; y < of->cube.image.height; y += of->most) {
         if (!sum_rows(of, y, err))
             return false;
-        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+        for (int channel = 0; channel < of->sight.n; channel++) {
             const double *sums = of->sums + (size_t)channel * of->stride;
             double largest = 0;
             for (size_t i = 0; i < of->n; i++)
@@ -108,7 +108,7 @@ static bool find_exposure(struct development *of, struct error *err)
 static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
     uint64_t below_0 = 0;
-    for (size_t channel = 0; channel < (size_t)of->sight.detector.n; channel++) {
+    for (size_t channel = 0; channel < (size_t)of->sight.n; channel++) {
         const double value = values[channel], count = floor(65535 * value / of->full_scale + 0.5);
         const size_t at = channel * of->n + pixel;
         below_0 += value < 0;
@@ -124,7 +124,7 @@ static uint64_t store_channels(const struct development *of, size_t pixel, const
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
-    const size_t n_channels = (size_t)of->sight.detector.n;
+    const size_t n_channels = (size_t)of->sight.n;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
         double values[MOST_CHANNELS];
@@ -154,14 +154,22 @@ void print_white(struct printed *to, const double white[3], bool is_xyz, const c
     print(to, " (%s)\n", source);
 }
 
+void print_detector(struct printed *to, const struct sight *sight, const char *matrix)
+{
+    print(to, "detector          %s (", sight->detector.name);
+    if (matrix)
+        print(to, "%d channels, to XYZ by %s)\n", sight->detector.n, matrix);
+    else
+        print(to, "%s)\n", sight->observes ? "observer" : "camera or film, balanced to the white");
+}
+
 void develop_print_settings(const struct development *of, struct printed *to)
 {
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
     const struct record *record = &of->cube.record;
-    print(to, "detector          %s (%s)\n", options_detector(of->options),
-          of->sight.detector.observer ? "observer" : "camera or film, balanced to the white");
-    if (!of->sight.detector.named)
+    print_detector(to, &of->sight, of->options->matrix);
+    if (!of->sight.observes && !of->sight.detector.named)
         print(to, "channels          %s, %s, %s as red, green, blue\n",
               of->sight.detector.channel[0], of->sight.detector.channel[1],
               of->sight.detector.channel[2]);
@@ -173,7 +181,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
         print_text(to, " (recorded)\n");
     }
     if (of->sight.has_white)
-        print_white(to, of->sight.white, of->sight.detector.observer,
+        print_white(to, of->sight.white, of->sight.observes,
                     of->options->white ? of->options->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
@@ -224,15 +232,15 @@ static bool open_picture(const struct development *of, struct picture_writer *ou
 
 const char *raw_unit(const struct development *of)
 {
-    return !of->cube.record.unit         ? "W sr-1 m-2 (relative)"
-           : of->sight.detector.observer ? "cd m-2"
-                                         : "W sr-1 m-2";
+    return !of->cube.record.unit ? "W sr-1 m-2 (relative)"
+           : of->sight.observes  ? "cd m-2"
+                                 : "W sr-1 m-2";
 }
 
 static bool open_raw(const struct development *of, struct stack_writer *out, struct error *err)
 {
     struct printed made = {.text = NULL}, channels = {.text = NULL};
-    for (int i = 0; i < of->sight.detector.n; i++)
+    for (int i = 0; i < of->sight.n; i++)
         print(&channels, "%s\n", of->sight.detector.channel[i]);
     print(&made, "program: " PROGRAM "\nraw values of: ");
     print_printable(&made, of->cube.image.path);
@@ -243,7 +251,7 @@ static bool open_raw(const struct development *of, struct stack_writer *out, str
     char *text = printed_take(&made, err), *names = printed_take(&channels, err);
     const struct stack_options options = {.width = of->cube.image.width,
                                           .height = of->cube.image.height,
-                                          .n_wavelengths = of->sight.detector.n,
+                                          .n_wavelengths = of->sight.n,
                                           .names = names,
                                           .unit = raw_unit(of),
                                           .full_scale = of->full_scale,
@@ -262,7 +270,7 @@ static bool put_raw(const struct development *of, struct stack_writer *writer, s
     const int width = of->cube.image.width;
     struct page_rectangle to = {0, 0, of->first, width, (int)of->n / width};
     const size_t page = of->n * (size_t)of->bits / 8;
-    for (; to.page < of->sight.detector.n; to.page++)
+    for (; to.page < of->sight.n; to.page++)
         if (!pages_write(&writer->pages, &to, (char *)of->samples + (size_t)to.page * page, err))
             return false;
     return true;

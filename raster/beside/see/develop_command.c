@@ -74,7 +74,8 @@ static bool write_json(struct options *options, const struct development *of, st
     struct json json;
     json_begin(&json);
     json_string(&json, "detector", options_detector(options));
-    json_truth(&json, "observer", of->sight.detector.observer);
+    json_string(&json, "matrix", options->matrix);
+    json_truth(&json, "observer", of->sight.observes);
     json_numbers(&json, "white", of->sight.has_white ? of->sight.white : NULL, 3);
     json_string(&json, "adaptation", adaptation_names[of->adaptation.kind]);
     json_string(&json, "values", values[of->values]);
@@ -118,6 +119,7 @@ static bool check_raw(const struct options *options, struct error *err)
                         : own->adaptation ? "--adaptation"
                         : own->display    ? "--display"
                         : options->white  ? "--white"
+                        : options->matrix ? "--matrix"
                         : options->json   ? "--json"
                                           : NULL;
     if (own->raw && other)

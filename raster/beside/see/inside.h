@@ -28,6 +28,11 @@ struct radiances {
 bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
                     struct radiances *of, struct error *err);
 
+/* ---- sight.c ---- */
+
+/* Returns how a command line sees a stack. */
+struct seeing seeing_of(const struct options *options, bool needs_white);
+
 /* ---- develop.c ---- */
 
 /* Raw values lie in a stack of one page a channel: linear, without balance, adaptation or display.
@@ -71,6 +76,8 @@ struct development {
  * caller frees *of, also after a failure. */
 bool develop(struct development *of, struct error *err);
 const char *raw_unit(const struct development *of); /* of raw values */
+/* Prints the detector of a sight, and the file of its matrix, unless that is NULL. */
+void print_detector(struct printed *to, const struct sight *sight, const char *matrix);
 /* Prints a white in a detector's channels, and where it comes from. */
 void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
 /* Prints all that decides a developed picture, except the stack. */
@@ -100,8 +107,9 @@ struct band_difference {
 };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
-    struct options *options; /* its operands are the stacks, and its outputs get the map */
-    const char *map;         /* PNG or TIFF to write; NULL: none */
+    struct options *options;    /* its operands are the stacks, and its outputs get the map */
+    const char *map;            /* PNG or TIFF to write; NULL: none */
+    const char *other_detector; /* sees B, with the matrix of the options; NULL: as A is seen */
     struct tolerance tolerance;
     struct seen_stack *seen; /* compares colours alone: see stack_difference; NULL: pages, too */
     /* Two stacks, and how they differ. */
@@ -135,6 +143,8 @@ struct comparison {
  * scale_colour: for CIEDE2000 from 1/64 on, or without a white for the largest |A - B| from 1/16384
  * on. The map is written even if the stacks differ. The caller frees *of, also after a failure. */
 bool compare(struct comparison *of, struct error *err);
+/* Returns how A or B is seen: a matrix is the other detector's, if there is one. */
+struct seeing comparison_seeing(const struct comparison *of, bool is_b);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */
 void comparison_print_colours(const struct comparison *of, struct printed *to);
@@ -190,6 +200,20 @@ void moments_end(const struct moments *moments, double *mean, double *spread); /
 /* probe_objects.c: prints the values of each object of the stack that is the operand, as text, CSV
  * or JSON. edges: pixels whose neighbours show other objects count, too. */
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err);
+/* The colours of a stack's objects: of the mean of all pixels that are beside no other object. */
+struct seen_objects {
+    struct seen_object {
+        char *name; /* owned */
+        uint64_t pixels;
+        double xyz[3];
+    } * list; /* owned */
+    int n;
+    double white[3]; /* which `by` must need */
+};
+/* Sees them. The caller frees *out, zeroed before, also after a failure. */
+bool objects_see(const char *path, const struct seeing *by, struct seen_objects *out,
+                 struct error *err);
+void seen_objects_free(struct seen_objects *of);
 /* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
  * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
  * digits. */

@@ -111,14 +111,13 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
  * the probe names if it cannot be used. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
-    const struct white_request white = {probe->options->white, false};
+    const struct seeing by = seeing_of(probe->options, false);
     const struct sight *sight = &probe->sight;
     const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    if (!sight_make(cube, SIGHT_OF_OBSERVER, options_detector(probe->options), &white,
-                    &probe->sight, err))
+    if (!sight_make(cube, SIGHT_OF_OBSERVER, &by, &probe->sight, err))
         return false;
     detector_response(sight->weights, mean, probe->n, probe->xyz);
     if (sight->has_white)

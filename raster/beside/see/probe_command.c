@@ -90,7 +90,10 @@ static void print_colour(const struct probe *probe, struct printed *to)
     double xy[2];
     const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->sight.white;
     chromaticity(xyz, xy);
-    print_fact(to, "observer", options_detector(probe->options));
+    if (probe->options->matrix)
+        print_detector(to, &probe->sight, probe->options->matrix);
+    else
+        print_fact(to, "observer", options_detector(probe->options));
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
           probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
@@ -142,6 +145,7 @@ static void probe_json(const struct probe *probe, struct json *json)
     }
     json_string(json, "object", probe->object);
     json_string(json, "observer", options_detector(probe->options));
+    json_string(json, "matrix", probe->options->matrix);
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);

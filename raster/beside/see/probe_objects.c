@@ -325,38 +325,41 @@ static void put_objects(const struct measured *of, struct values *values, bool c
 }
 
 /* Finds how the detector sees the stack: an observer in colours; a camera in its channels, beside
- * which cie1931 sees colours. */
+ * which cie1931 sees colours, unless there is a matrix. */
 static bool find_sights(struct measured *of, const struct options *options, struct error *err)
 {
-    const struct white_request white = {options->white, false};
+    struct seeing by = seeing_of(options, false);
     const struct cube *cube = &of->rows.cube;
-    const char *name = options_detector(options);
-    if (!sight_make(cube, SIGHT_OF_CHANNELS, name, &white, &of->camera, err))
+    if (!sight_make(cube, SIGHT_OF_CHANNELS, &by, &of->camera, err))
         return false;
-    if (of->camera.detector.observer)
+    if (of->camera.observes)
         sight_free(&of->camera);
-    else
-        name = "cie1931";
-    return sight_make(cube, SIGHT_OF_OBSERVER, name, &white, &of->colours, err);
+    else if (!by.matrix)
+        by.detector = "cie1931";
+    return sight_make(cube, SIGHT_OF_OBSERVER, &by, &of->colours, err);
+}
+
+/* Measures all objects of a stack, whose sights are found. Gives the values room. */
+static bool measure_objects(struct measured *of, struct values *values, struct error *err)
+{
+    of->first = 1;
+    of->n_objects = of->rows.cube.record.objects.n;
+    of->n_columns = of->rows.cube.image.n_pages + of->camera.detector.n;
+    return MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
+                      "the values of %d objects", of->n_objects) &&
+           MAKE_ARRAY(values->mean, of->n_columns, err, "the values of an object") &&
+           MAKE_ARRAY(values->spread, of->n_columns, err, "the values of an object") &&
+           measure(of, err);
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
 {
-    struct measured of = {.edges = edges, .first = 1};
-    const struct cube *cube = &of.rows.cube;
+    struct measured of = {.edges = edges};
     struct values values = {.name = NULL};
     struct printed printed = {.text = NULL};
     struct json json;
     bool done = open_stack(&of, options->operand, err) && open_map(&of, err) &&
-                find_sights(&of, options, err);
-    of.n_objects = cube->record.objects.n;
-    of.n_columns = cube->image.n_pages + of.camera.detector.n;
-    done = done &&
-           MAKE_ARRAY(of.moments, (size_t)of.n_objects * (size_t)of.n_columns, err,
-                      "the values of %d objects", of.n_objects) &&
-           MAKE_ARRAY(values.mean, of.n_columns, err, "the values of an object") &&
-           MAKE_ARRAY(values.spread, of.n_columns, err, "the values of an object") &&
-           measure(&of, err);
+                find_sights(&of, options, err) && measure_objects(&of, &values, err);
     if (done) {
         put_objects(&of, &values, csv, &json, &printed);
         done = report_write(options, &json, &printed, err);
@@ -364,4 +367,33 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
     FREE_ALL(values.mean, values.spread, of.moments);
     measured_free(&of);
     return done;
+}
+
+bool objects_see(const char *path, const struct seeing *by, struct seen_objects *out,
+                 struct error *err)
+{
+    struct measured of = {.edges = false};
+    struct values values = {.name = NULL};
+    bool done = open_stack(&of, path, err) && open_map(&of, err) &&
+                sight_make(&of.rows.cube, SIGHT_OF_OBSERVER, by, &of.colours, err) &&
+                measure_objects(&of, &values, err) &&
+                MAKE_ARRAY(out->list, of.n_objects, err, "the colours of %d objects", of.n_objects);
+    memcpy(out->white, of.colours.white, sizeof out->white);
+    for (; done && out->n < of.n_objects; out->n++) {
+        struct seen_object *object = &out->list[out->n];
+        find_values(&of, out->n, &values);
+        object->pixels = values.pixels;
+        memcpy(object->xyz, values.xyz, sizeof object->xyz);
+        done = string_copy(values.name, &object->name, err);
+    }
+    FREE_ALL(values.mean, values.spread, of.moments);
+    measured_free(&of);
+    return done;
+}
+
+void seen_objects_free(struct seen_objects *of)
+{
+    for (int i = 0; i < of->n; i++)
+        free(of->list[i].name);
+    free(of->list);
 }

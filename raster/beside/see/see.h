@@ -89,14 +89,18 @@ bool decompose(const struct lit_scene *lit, const struct decomposition *of, stru
  * white is the SPECTRUM that the word of a command line names; NULL: the one that the stack
  * records. Refuses a stack that records none, and a white that is 0 everywhere. */
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
-struct white_request {
-    const char *spectrum; /* as cube_white takes it */
-    bool needed;          /* refuse a stack without a white, even if `spectrum` is NULL */
+struct seeing {
+    const char *detector; /* a name, or a file */
+    const char *matrix;   /* a file that takes its channels to XYZ; NULL: none */
+    const char *white;    /* as cube_white takes it */
+    bool needs_white;     /* refuse a stack without a white, even if `white` is NULL */
 };
 /* How a detector sees a stack, whose pages have weights in each channel. Of a fixed sampling, only
  * its own detector sees it. */
 struct sight {
     struct detector detector;   /* owned */
+    int n;                      /* channels: the detector's, or with a matrix three */
+    bool observes;              /* they are XYZ */
     double *weights;            /* [channel * n_pages + page]; owned */
     double lost[MOST_CHANNELS]; /* parts of sensitivities outside the range, as detector_lost */
     /* A detector of three channels has responses to the white, and to a radiance of 1. */
@@ -110,8 +114,8 @@ struct sight {
 enum sight_kind { SIGHT_RELATIVE, SIGHT_OF_OBSERVER, SIGHT_OF_PICTURE, SIGHT_OF_CHANNELS };
 /* Makes a sight. Refuses what the readers of detectors and cube_white refuse, and weights or a
  * white too large to compute with. The caller frees *out, zeroed before, also after a failure. */
-bool sight_make(const struct cube *cube, enum sight_kind kind, const char *detector,
-                const struct white_request *white, struct sight *out, struct error *err);
+bool sight_make(const struct cube *cube, enum sight_kind kind, const struct seeing *by,
+                struct sight *out, struct error *err);
 void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */

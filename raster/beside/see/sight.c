@@ -169,7 +169,7 @@ static bool find_white_response(const struct cube *cube, const char *spectrum, b
     return out->has_white || !needed;
 }
 
-/* ---- as a detector sees it ---- */
+/* ---- units ---- */
 
 /* Takes an observer's XYZ to cd m-2. */
 static void make_absolute(struct sight *of, int n_weights)
@@ -183,27 +183,62 @@ static void make_absolute(struct sight *of, int n_weights)
     }
 }
 
-bool sight_make(const struct cube *cube, enum sight_kind kind, const char *detector,
-                const struct white_request *white, struct sight *out, struct error *err)
+struct seeing seeing_of(const struct options *options, bool needs_white)
+{
+    return (struct seeing){options_detector(options), options->matrix, options->white, needs_white};
+}
+
+/* ---- a matrix behind the detector ---- */
+
+/* Takes the weights of the detector's channels to those of XYZ. */
+static bool apply_matrix(const char *path, int n_pages, struct sight *of, struct error *err)
+{
+    double rows[MOST_CHANNELS][3], *xyz;
+    const int n = of->n;
+    if (!rows_of_three(path, (const char *const *)of->detector.channel, n, rows, err) ||
+        !MAKE_ARRAY(xyz, 3 * n_pages, err, "the weights of %s", path))
+        return false;
+    for (int i = 0; i < 3 * n_pages; i++)
+        for (int channel = 0; channel < n; channel++)
+            xyz[i] += rows[channel][i / n_pages] * of->weights[channel * n_pages + i % n_pages];
+    free(of->weights);
+    of->weights = xyz;
+    of->n = 3;
+    of->observes = true;
+    return true;
+}
+
+/* ---- as a detector sees it ---- */
+
+bool sight_make(const struct cube *cube, enum sight_kind kind, const struct seeing *by,
+                struct sight *out, struct error *err)
 {
     static bool (*const read[])(const char *, struct detector *,
                                 struct error *) = {[SIGHT_RELATIVE] = detector_read,
                                                    [SIGHT_OF_OBSERVER] = observer_read,
                                                    [SIGHT_OF_PICTURE] = detector_read,
                                                    [SIGHT_OF_CHANNELS] = channels_read};
-    if (!read[kind](detector, &out->detector, err))
+    const bool has_matrix = by->matrix && kind != SIGHT_OF_CHANNELS;
+    const int n_pages = cube->image.n_pages;
+    if (has_matrix && cube->record.response.n > 0)
+        return error_usage(err, "%s was sampled for %s; --matrix needs all wavelengths",
+                           cube->image.path, cube->record.sampling_detector);
+    if (!read[has_matrix ? SIGHT_OF_CHANNELS : kind](by->detector, &out->detector, err))
         return false;
-    const bool observes = out->detector.observer, balanced = kind == SIGHT_OF_PICTURE && !observes;
-    const int n = out->detector.n * cube->image.n_pages;
+    out->n = out->detector.n;
+    out->observes = out->detector.observer;
     find_lost(cube, &out->detector, out->lost);
-    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
+    if (!MAKE_ARRAY(out->weights, out->n * n_pages, err, "the weights of %s", cube->image.path) ||
         !find_weights(cube, &out->detector, out->weights, err) ||
-        (kind != SIGHT_OF_CHANNELS &&
-         (!find_white_response(cube, white->spectrum, white->needed || balanced, out, err) ||
-          !find_equal(cube, out, err))))
+        (has_matrix && !apply_matrix(by->matrix, n_pages, out, err)))
         return false;
-    if (kind != SIGHT_RELATIVE && cube->record.unit && observes)
-        make_absolute(out, n);
+    const bool balanced = kind == SIGHT_OF_PICTURE && !out->observes;
+    if (kind != SIGHT_OF_CHANNELS &&
+        (!find_white_response(cube, by->white, by->needs_white || balanced, out, err) ||
+         !find_equal(cube, out, err)))
+        return false;
+    if (kind != SIGHT_RELATIVE && cube->record.unit && out->observes && !has_matrix)
+        make_absolute(out, 3 * n_pages);
     return true;
 }
 

@@ -7,19 +7,20 @@ static bool check_detector(const struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
     const struct detector *detector = &of->sight.detector;
+    const bool observes = of->sight.observes;
     /* Rendering checked a recorded response; that of a black scene is 0. A scene may be black. */
     bool sees = of->lit || of->cube.record.response.n > 0;
-    for (int i = 0; i < detector->n * image->n_pages; i++)
+    for (int i = 0; i < of->sight.n * image->n_pages; i++)
         sees = sees || of->sight.weights[i] != 0;
     if (!sees)
         return error_usage(err, "%s: %s sees nothing from %.10g to %.10g nm", image->path,
                            detector->name, of->first_nm, of->last_nm);
-    if (!detector->observer && of->adaptation.kind != ADAPTATION_NONE)
+    if (!observes && of->adaptation.kind != ADAPTATION_NONE)
         return error_usage(err,
                            "%s is a camera or film, which does not adapt but is balanced to the"
                            " white; %s is for observers",
                            detector->name, adaptation_names[of->adaptation.kind]);
-    if (!detector->observer && (of->values == DEVELOP_XYZ || of->values == DEVELOP_LAB))
+    if (!observes && (of->values == DEVELOP_XYZ || of->values == DEVELOP_LAB))
         return error_usage(err,
                            "%s is a camera or film, which has no %s; expected an observer, or "
                            "--raw for the camera's own values",
@@ -75,14 +76,13 @@ bool develop_weights(struct development *of, struct error *err)
     const struct image *image = &of->cube.image;
     const double *cells = of->cube.record.range_nm.value, half_cell = 0.5;
     /* The result reports a recorded white even where none is needed. */
-    const struct white_request white = {
-        of->options->white, of->adaptation.kind != ADAPTATION_NONE || of->values == DEVELOP_LAB};
+    const struct seeing by =
+        seeing_of(of->options, of->adaptation.kind != ADAPTATION_NONE || of->values == DEVELOP_LAB);
     if ((raw && !cube_needs_radiance(&of->cube, "--raw", err)) ||
-        !sight_make(&of->cube, raw ? SIGHT_OF_CHANNELS : SIGHT_OF_PICTURE,
-                    options_detector(of->options), &white, &of->sight, err))
+        !sight_make(&of->cube, raw ? SIGHT_OF_CHANNELS : SIGHT_OF_PICTURE, &by, &of->sight, err))
         return false;
     of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
     of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];
     return check_detector(of, err) &&
-           (raw || (of->sight.detector.observer ? adapt(of, err) : balance(of, err)));
+           (raw || (of->sight.observes ? adapt(of, err) : balance(of, err)));
 }

@@ -244,9 +244,9 @@ static void put_surfaces(struct describer *describer)
 static void put_detector(const struct cube *cube, bool is_stack, const char *name,
                          struct json *json, struct error *err)
 {
-    static const struct white_request white = {NULL, false};
+    const struct seeing by = {.detector = name};
     struct sight sight = {.weights = NULL};
-    if (sight_make(cube, SIGHT_RELATIVE, name, &white, &sight, err)) {
+    if (sight_make(cube, SIGHT_RELATIVE, &by, &sight, err)) {
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", sight.detector.observer);
