@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""matrix.py OBJECTS.csv [CHANNEL...] > MATRIX.csv: fits the matrix that takes a camera's raw values to XYZ, by least squares
+over the objects of a stack.
+
+OBJECTS.csv is what spectral probe STACK --objects --detector CAMERA.csv --csv writes. Channels are taken by their names, or, without
+any, all of the camera. MATRIX.csv has a row for each channel: its name, and what a raw value of 1 adds to X, Y and Z. Each object
+counts the same; those without pixels are left out. The matrix fits objects like these: other spectra can be further off."""
+import csv
+import sys
+
+import numpy as np
+
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
+try:
+    with open(sys.argv[1], encoding="utf-8", newline="") as file:
+        heading, *rows = list(csv.reader(file)) or [[]]
+    own = [name for name in heading if name + " standard deviation" in heading and not name.endswith(" nm")]
+    channels = sys.argv[2:] or own
+    for name in ["X", "Y", "Z", *channels]:
+        if heading.count(name) != 1:
+            raise ValueError(f"expected one column {name}, found {heading.count(name)}; its channels: {', '.join(own) or 'none'}")
+    columns = [heading.index(name) for name in ["X", "Y", "Z", *channels]]
+    table = np.array([[row[i] for i in columns] for row in rows if row[columns[0]]], float).reshape(-1, len(columns))
+    if not channels or not np.isfinite(table).all():
+        raise ValueError("expected channels of a camera, and numbers that are finite")
+except (OSError, ValueError, IndexError) as why:
+    sys.exit(f"matrix.py: {sys.argv[1]}: {why}")
+matrix, _, rank, _ = np.linalg.lstsq(table[:, 3:], table[:, :3], rcond=None)
+if rank < len(channels):
+    sys.exit(f"matrix.py: {sys.argv[1]}: its {len(channels)} channels need as many objects with independent raw values, found {rank}")
+out = csv.writer(sys.stdout, lineterminator="\n")
+out.writerow(["channel", "X", "Y", "Z"])
+out.writerows([name, *map(repr, map(float, row))] for name, row in zip(channels, matrix))
