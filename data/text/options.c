@@ -28,7 +28,8 @@ static const struct option quiet_rows[] = {
 static const struct option seeing_rows[] = {
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
      SHARED(TEXT, detector)},
-    {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
+    {"--white LIGHT[*REFLECTANCE]|object:NAME",
+     "what is white: under this light, or an object's mean (default: the stack's lights)",
      SHARED(TEXT, white)},
     {"--matrix FILE", "takes the detector's values to XYZ: three numbers a channel, a row each",
      SHARED(TEXT, matrix)},

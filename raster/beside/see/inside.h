@@ -214,6 +214,8 @@ struct seen_objects {
 bool objects_see(const char *path, const struct seeing *by, struct seen_objects *out,
                  struct error *err);
 void seen_objects_free(struct seen_objects *of);
+/* Finds the mean radiance, on each page, of an object, by its name or number, from 1. */
+bool object_radiance(const char *path, const char *wanted, double *out, struct error *err);
 /* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
  * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
  * digits. */

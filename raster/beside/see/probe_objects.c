@@ -397,3 +397,20 @@ void seen_objects_free(struct seen_objects *of)
         free(of->list[i].name);
     free(of->list);
 }
+
+bool object_radiance(const char *path, const char *wanted, double *out, struct error *err)
+{
+    struct measured of = {.n_objects = 1};
+    const struct cube *cube = &of.rows.cube;
+    double spread;
+    bool done = open_stack(&of, path, err) && open_map(&of, err) &&
+                (of.first = find_named(&cube->record, wanted, err)) > 0;
+    of.n_columns = cube->image.n_pages;
+    done = done && MAKE_ARRAY(of.moments, of.n_columns, err, "the mean of an object") &&
+           measure(&of, err);
+    for (int i = 0; done && i < of.n_columns; i++)
+        moments_end(&of.moments[i], &out[i], &spread);
+    free(of.moments);
+    measured_free(&of);
+    return done;
+}

@@ -4,6 +4,12 @@
 
 #include "raster/beside/see/inside.h"
 
+/* What a white is. */
+struct lit_surface {
+    struct spectrum light, reflectance;
+    bool reflects; /* otherwise it is a perfect diffuser */
+};
+
 /* ---- weights ---- */
 
 /* Weights and whites have this limit: no sum of them is infinite. */
@@ -54,19 +60,27 @@ static void find_lost(const struct cube *cube, const struct detector *detector, 
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
 
-/* Finds the response of a detector to a spectrum, at every nm of the range of a fixed stack. NULL
+/* Returns the radiance of a surface of this reflectance, or of a perfect diffuser, under a light.
+ */
+static double radiance_at(const struct lit_surface *of, double nm)
+{
+    return spectrum_at(&of->light, nm, SPECTRUM_ZERO) *
+           (of->reflects ? spectrum_at(&of->reflectance, nm, SPECTRUM_HOLD) : 1);
+}
+
+/* Finds the response of a detector to a white, at every nm of the range of a fixed stack. NULL
  * stands for 1 everywhere. */
 static bool respond_finely(const struct record *record, const struct detector *detector,
-                           const struct spectrum *spectrum, double out[3], struct error *err)
+                           const struct lit_surface *white, double out[3], struct error *err)
 {
     const double *range = record->range_nm.value;
     struct fine_detector fine;
     if (!fine_detector_make(detector, range[0] + 0.5,
                             (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
         return false;
-    for (int j = 0; spectrum && j < fine.n; j++)
-        fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
-    detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
+    for (int j = 0; white && j < fine.n; j++)
+        fine.nm[j] = radiance_at(white, fine.nm[j]); /* radiances now */
+    detector_response(fine.weights, white ? fine.nm : NULL, fine.n, out);
     free(fine.nm);
     return true;
 }
@@ -82,17 +96,37 @@ static bool find_equal(const struct cube *cube, struct sight *out, struct error 
 /* ---- the white ---- */
 
 /* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
-static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
+static double mean_within(const struct lit_surface *white, const double limits[2], double origin)
 {
     double sum = 0;
     for (double cell = origin + floor(limits[0] - origin); cell < limits[1]; cell++)
         sum += fmax(0, fmin(cell + 1, limits[1]) - fmax(cell, limits[0])) *
-               spectrum_at(spectrum, cell + 0.5, SPECTRUM_ZERO);
+               radiance_at(white, cell + 0.5);
     return sum / (limits[1] - limits[0]);
 }
 
+/* Reads LIGHT or LIGHT*REFLECTANCE, one word, blanks and all. A reflectance is no light. */
+static bool read_white(const char *value, struct lit_surface *out, struct error *err)
+{
+    const char *star = strrchr(value, '*');
+    const struct place place = {"--white", 1, 1};
+    struct word word = {.start = value, .length = strlen(value), .place = place},
+                surface = {.start = star ? star + 1 : "", .place = place};
+    char name[BUILTIN_NAME];
+    surface.length = strlen(surface.start);
+    out->reflects = surface.length > 0 && !word_begins_number(&surface);
+    if (out->reflects)
+        word.length = (size_t)(star - value);
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (builtin_is(&builtin_files[i], FILE_MATERIAL, name) && word_equals(&word, name))
+            return error_usage(err, "--white: %s is a reflectance; name its light, too: d65*%s",
+                               name, name);
+    return spectrum_read(&word, 0, HUGE_VAL, &out->light, err) &&
+           (!out->reflects || spectrum_read(&surface, 0, 1, &out->reflectance, err));
+}
+
 /* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
- * of its detector. The whole value is one word, blanks and all. */
+ * of its detector. */
 static bool white_of_option(const struct cube *cube, const char *value,
                             const struct detector *fixed, double *out, struct error *err)
 {
@@ -103,14 +137,16 @@ static bool white_of_option(const struct cube *cube, const char *value,
                        sampling_read("", record->sampling, &method, &ignored) &&
                        method.kind == SAMPLING_BOX; /* pages are means over their segments */
     const double *segments = record->segments.value;
-    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
-    struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    const bool good = spectrum_read(&word, 0, HUGE_VAL, &spectrum, err) &&
-                      (!fixed || respond_finely(record, fixed, &spectrum, out, err));
+    struct lit_surface white = {.reflects = false};
+    if (strncmp(value, "object:", 7) == 0)
+        return object_radiance(cube->image.path, value + 7, out, err);
+    const bool good = read_white(value, &white, err) &&
+                      (!fixed || respond_finely(record, fixed, &white, out, err));
     for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
-        out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
-                       : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
-    spectrum_free(&spectrum);
+        out[i] = boxes ? mean_within(&white, segments + 2 * i, segments[0])
+                       : radiance_at(&white, cube->image.wavelengths_nm[i]);
+    spectrum_free(&white.light);
+    spectrum_free(&white.reflectance);
     return good;
 }
 
