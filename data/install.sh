@@ -14,7 +14,7 @@ shipped() {
     for file in README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff data/doc/*.md data/gallery/*.png; do
         echo "$file share/doc/spectral/$file" # links between them lead on
     done
-    for file in data/builtin/scenes/*.scene data/samples/*; do
+    for file in data/builtin/scenes/*.scene data/builtin/displays/monitor.csv data/samples/*; do
         echo "$file share/spectral/samples/${file##*/}"
     done
 }

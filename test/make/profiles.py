@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes data/builtin/displays/*.icc again, the ICC profiles of displays (ICC.1:2010, version 4.3) that pictures embed:
-`test/make/profiles.py FOLDER` writes them into FOLDER. A profile has three colorants and three curves. Its numbers are those
-of raster/beside/colour/display.c; profiles.py tests them. No copyright."""
+"""Makes data/builtin/displays/ again, the ICC profiles of displays (ICC.1:2010, version 4.3) that pictures embed, and the numbers of the
+thesis's monitor: `test/make/profiles.py FOLDER` writes them into FOLDER. A profile has three colorants and three curves. Those of sRGB are
+those of raster/beside/colour/display.c, which puts the numbers of any other display into own.icc; profiles.py tests them. No copyright."""
 import os
 import struct
 import sys
@@ -29,8 +29,8 @@ def text(words):
 
 
 def curve(numbers):
-    """A parametricCurveType (10.15): function 3, or function 0 of an exponent alone."""
-    return struct.pack(">4sI2H", b"para", 0, 0 if len(numbers) == 1 else 3, 0) + fixed(numbers)
+    """A parametricCurveType (10.15): function 3, or function 1 of three numbers."""
+    return struct.pack(">4sI2H", b"para", 0, 1 if len(numbers) == 3 else 3, 0) + fixed(numbers)
 
 
 def profile(name, to_xyz, curves):
@@ -51,8 +51,19 @@ def profile(name, to_xyz, curves):
     return (head + fixed(D50)).ljust(128, b"\0") + table + data
 
 
+LARGEST = np.linalg.inv(MONITOR) * GAIN ** EXPONENT
 for file, made in (
         ("srgb", profile("sRGB", SRGB, 3 * [(2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045)])),
-        ("monitor", profile("Monitor of 1998", np.linalg.inv(MONITOR) * GAIN ** EXPONENT, [(e,) for e in EXPONENT]))):
+        ("own", profile("Display, by its numbers", LARGEST, [(e, 1, 0) for e in EXPONENT]))):
     with open(os.path.join(sys.argv[1], f"{file}.icc"), "wb") as out:
         out.write(made)
+with open(os.path.join(sys.argv[1], "monitor.csv"), "w", encoding="ascii") as out:
+    out.write("""# The monitor of G. M. Johnson's thesis of 1998, with the figures of its program: the matrix from XYZ to linear values, which it
+# prints, became the primaries at full drive. The Y of a picture's white is 100. A channel's linear value is (gain x value + offset)^gamma.
+primary,X,Y,Z
+""")
+    for name, column in zip(("red", "green", "blue"), LARGEST.T):
+        out.write(f"{name},{','.join(f'{number:.17g}' for number in column)}\n")
+    out.write("channel,red,green,blue\n")
+    for name, row in (("gain", GAIN), ("offset", (0, 0, 0)), ("gamma", EXPONENT)):
+        out.write(f"{name},{','.join(f'{number:g}' for number in row)}\n")

@@ -63,7 +63,7 @@ function add_controls() {
 
 /* Fills the menus of the eye with what the description has. */
 function fill_eye_menus() {
-  for (const [id, selected] of [["detector", scene.detector || "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
+  for (const [id, selected] of [["detector", scene.detector || "cie1931"], ["adaptation", "none"], ["display", scene.display || "srgb"]]) {
     const names = scene[id + "s"].map(({name}) => name);
     element(id).replaceChildren();
     fill_select(element(id), names, Math.max(0, names.indexOf(selected)));

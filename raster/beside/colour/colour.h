@@ -55,24 +55,34 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
 
 /* ---- display.c: tristimulus values on a display ---- */
 
-enum display_kind {
-    DISPLAY_SRGB,   /* IEC 61966-2-1 */
-    DISPLAY_MONITOR /* monitor of the thesis: equations 13 and 14 */
+/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
+ * linear = slope x value. */
+struct display_curve {
+    double exponent, gain, offset, slope, from;
 };
-extern const char *const display_names[]; /* of enum display_kind, then NULL */
-/* Writes the matrix from XYZ, with Y = 100 for white, to linear red, green and blue from 0 to 1. */
-void display_matrix(enum display_kind kind, double out[3][3]);
+struct display {
+    const char *name;
+    bool is_srgb;           /* IEC 61966-2-1 */
+    double primaries[3][3]; /* XYZ of red, green and blue at full drive; of sRGB 0 */
+    double matrix[3][3];    /* from XYZ, with Y = 100 for white, to linear red, green and blue */
+    struct display_curve curve[3];
+    unsigned char profile[1024]; /* ICC's, with matrix and tone curves */
+    size_t profile_length;
+};
+/* Reads srgb; monitor, that of the thesis (equations 13 and 14); or a file of six rows of three
+ * numbers: X, Y, Z of red, green and blue at full drive, where 100 is the Y of a picture's white;
+ * gain, offset and gamma of the three. The name must outlive *out. Refuses primaries in a plane, a
+ * gain or gamma of 0 or less, and an offset that leaves no range. */
+bool display_is_known(const char *name); /* it is no file */
+bool display_read(const char *name, struct display *out, struct error *err);
 /* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips
  * values that the display cannot show. */
-double display_encode(enum display_kind kind, int channel, double linear);
+double display_encode(const struct display *of, int channel, double linear);
 /* Returns the largest linear value of a channel that is not clipped: 1 for sRGB. */
-double display_largest(enum display_kind kind, int channel);
+double display_largest(const struct display *of, int channel);
 /* Stores the values of a pixel as three numbers of 8 bits (uint8_t) or 16 (uint16_t). Returns
  * whether a channel was clipped; by less than 1e-6 does not count, since rounding may clip a white
  * by that. */
-bool display_store(enum display_kind kind, int bits, const double linear[3], void *out);
-
-/* Returns the ICC profile of a display, with its matrix and tone curves. */
-const struct builtin_file *display_profile(enum display_kind kind);
+bool display_store(const struct display *of, int bits, const double linear[3], void *out);
 
 #endif

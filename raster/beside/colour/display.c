@@ -1,78 +1,172 @@
 /* SPDX-License-Identifier: MIT */
-/* Displays: sRGB, and the monitor of the 1998 thesis. */
-#include "data/files/files.h"
-#include "data/maths/maths.h"
+/* Displays: sRGB; any other by its numbers, as the monitor of the 1998 thesis. */
+#include "data/text/text.h"
 #include "raster/beside/colour/colour.h"
 
-const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor", NULL};
-
-/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
- * linear = slope x value. */
-struct display_curve {
-    double exponent, gain, offset, slope, from;
-};
-/* The monitor with the figures of the thesis's program. The text of the thesis prints them rounded,
- * and prints equation 14 with the inverse exponent and with offsets that were not used. */
-static const double monitor[3][3] = {
-    {0.03426, -0.01633, -0.005365}, {-0.01026, 0.01911, 0.0002522}, {0.000529, -0.001811, 0.00867}};
-static const struct display_curve monitor_curves[3] = {
-    {1.534, 1.035, 0, 0, 0}, {1.393, 1.053, 0, 0, 0}, {1.435, 1.047, 0, 0, 0}};
 static const struct display_curve srgb_curve = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
 
-void display_matrix(enum display_kind kind, double out[3][3])
+/* ---- values ---- */
+
+double display_largest(const struct display *of, int channel)
 {
-    if (kind == DISPLAY_SRGB)
-        tristimulus_to_srgb(out);
-    else
-        memcpy(out, monitor, sizeof monitor);
+    const struct display_curve *curve = &of->curve[channel];
+    return of->is_srgb ? 1 : power(curve->gain + curve->offset, curve->exponent);
 }
 
-static struct display_curve display_curve(enum display_kind kind, int channel)
+double display_encode(const struct display *of, int channel, double linear)
 {
-    return kind == DISPLAY_SRGB ? srgb_curve : monitor_curves[channel];
-}
-
-double display_largest(enum display_kind kind, int channel)
-{
-    const struct display_curve curve = display_curve(kind, channel);
-    return kind == DISPLAY_SRGB ? 1 : power(curve.gain, curve.exponent);
-}
-
-double display_encode(enum display_kind kind, int channel, double linear)
-{
-    const struct display_curve curve = display_curve(kind, channel);
+    const struct display_curve *curve = &of->curve[channel];
     if (!(linear > 0))
         return 0;
-    if (linear >= display_largest(kind, channel))
+    if (linear >= display_largest(of, channel))
         return 1;
-    if (linear <= curve.slope * curve.from)
-        return linear / curve.slope;
-    return fmin(1, (power(linear, 1 / curve.exponent) - curve.offset) / curve.gain);
+    if (linear <= curve->slope * curve->from)
+        return linear / curve->slope;
+    return fmax(0, fmin(1, (power(linear, 1 / curve->exponent) - curve->offset) / curve->gain));
 }
 
-bool display_store(enum display_kind kind, int bits, const double linear[3], void *out)
+bool display_store(const struct display *of, int bits, const double linear[3], void *out)
 {
     const double slack = 1e-6;
     bool clipped = false;
     for (int channel = 0; channel < 3; channel++) {
-        const double value = display_encode(kind, channel, linear[channel]);
+        const double value = display_encode(of, channel, linear[channel]);
         if (bits == 16)
             ((uint16_t *)out)[channel] = (uint16_t)(value * 65535 + 0.5);
         else
             ((uint8_t *)out)[channel] = (uint8_t)(value * 255 + 0.5);
         clipped = clipped || linear[channel] < -slack ||
-                  linear[channel] > display_largest(kind, channel) + slack;
+                  linear[channel] > display_largest(of, channel) + slack;
     }
     return clipped;
 }
 
-const struct builtin_file *display_profile(enum display_kind kind)
+/* ---- profiles ---- */
+
+/* Writes numbers as ICC.1:2010, 4.6 (s15Fixed16Number): 16 bits and 16 behind the point. */
+static void put_fixed(const double *values, int n, unsigned char *out)
+{
+    for (int i = 0; i < n; i++) {
+        const int64_t fixed = (int64_t)floor(values[i] * 65536 + 0.5);
+        for (int byte = 0; byte < 4; byte++)
+            out[4 * i + byte] = (unsigned char)((uint64_t)fixed >> (24 - 8 * byte));
+    }
+}
+
+/* Puts the display's numbers into the profile. Its tags are, in this order, a name, a copyright,
+ * the white, the adaptation, three colorants, three curves. A curve is of function type 1, (a x +
+ * b)^g, of which 1 is the largest value (ICC.1:2010, 10.15). */
+static void put_numbers(struct display *of)
+{
+    enum { TABLE = 132, ROW = 12, ADAPTATION_TAG = 3, COLORANT = 4, CURVE = 7 };
+    static const double d50[3] = {0.9642, 1, 0.8249};
+    const double y = of->primaries[0][1] + of->primaries[1][1] + of->primaries[2][1];
+    double white[3] = {0}, of_white[3], of_d50[3], colorant[3], adapt[3][3], back[3][3];
+    unsigned char *tag[CURVE + 3];
+    for (int i = 0; i < CURVE + 3; i++) {
+        const unsigned char *place = of->profile + TABLE + ROW * i + 4;
+        tag[i] = of->profile + 256 * place[2] + place[3]; /* it is small */
+    }
+    for (int i = 0; i < 9; i++)
+        white[i % 3] += of->primaries[i / 3][i % 3] / y;
+    adaptation_cones(ADAPTATION_BRADFORD, adapt);
+    tristimulus_inverse(adapt, back);
+    tristimulus_apply(adapt, white, of_white);
+    tristimulus_apply(adapt, d50, of_d50);
+    for (int i = 0; i < 9; i++)
+        adapt[i / 3][i % 3] *= of_d50[i / 3] / of_white[i / 3];
+    tristimulus_apply_all(back, 3, adapt[0]);
+    put_fixed(adapt[0], 9, tag[ADAPTATION_TAG] + 8);
+    for (int i = 0; i < 3; i++) {
+        const struct display_curve *curve = &of->curve[i];
+        const double range = curve->gain + curve->offset;
+        tristimulus_apply(adapt, of->primaries[i], colorant);
+        for (int j = 0; j < 3; j++)
+            colorant[j] /= y;
+        put_fixed(colorant, 3, tag[COLORANT + i] + 8);
+        put_fixed((double[]){curve->exponent, curve->gain / range, curve->offset / range}, 3,
+                  tag[CURVE + i] + 12);
+    }
+}
+
+static void make_profile(struct display *of)
 {
     const struct builtin_file *file;
     struct error none = {.status = EXIT_AGREED}; /* built-in files do not fail */
-    char path[64];
     int descriptor;
-    snprintf(path, sizeof path, BUILTIN_PREFIX "displays/%s.icc", display_names[kind]);
-    file_open(path, (struct place){NULL, 0, 0}, &descriptor, &file, &none);
-    return file;
+    file_open(of->is_srgb ? BUILTIN_PREFIX "displays/srgb.icc" : BUILTIN_PREFIX "displays/own.icc",
+              (struct place){NULL, 0, 0}, &descriptor, &file, &none);
+    of->profile_length = file->length;
+    memcpy(of->profile, file->bytes, file->length);
+    if (!of->is_srgb)
+        put_numbers(of);
+}
+
+/* ---- reading ---- */
+
+static double largest_of(double m[3][3])
+{
+    double largest = 0;
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, fabs(m[i / 3][i % 3]));
+    return largest;
+}
+
+/* The matrix to linear values follows from the primaries at full drive. */
+static bool find_matrix(const char *path, struct display *of, struct error *err)
+{
+    const double most = 1e9; /* condition */
+    double columns[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            columns[i][j] = of->primaries[j][i];
+    tristimulus_inverse(columns, of->matrix);
+    if (!(largest_of(columns) * largest_of(of->matrix) < most)) /* nor NaN */
+        return error_usage(
+            err, "%s: its primaries lie in a plane; expected X, Y, Z of red, green, blue", path);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            of->matrix[i][j] *= display_largest(of, i);
+    return true;
+}
+
+static bool check_curve(const char *path, const struct display_curve *curve, struct error *err)
+{
+    return (curve->exponent > 0 && curve->gain > 0 && curve->gain + curve->offset > 0) ||
+           error_usage(err,
+                       "%s: gain and gamma are above 0, and so is gain + offset; found %g, %g "
+                       "and %g",
+                       path, curve->gain, curve->exponent, curve->gain + curve->offset);
+}
+
+bool display_is_known(const char *name)
+{
+    return strcmp(name, "srgb") == 0 || strcmp(name, "monitor") == 0;
+}
+
+bool display_read(const char *name, struct display *out, struct error *err)
+{
+    static const char *const names[] = {"red", "green", "blue", "gain", "offset", "gamma"};
+    double row[6][3];
+    const char *path = strcmp(name, "monitor") == 0 ? BUILTIN_PREFIX "displays/monitor.csv" : name;
+    *out = (struct display){.name = name, .is_srgb = strcmp(name, "srgb") == 0};
+    if (out->is_srgb) {
+        tristimulus_to_srgb(out->matrix);
+        for (int i = 0; i < 3; i++)
+            out->curve[i] = srgb_curve;
+        make_profile(out);
+        return true;
+    }
+    if (!rows_of_three(path, names, 6, row, err))
+        return false;
+    memcpy(out->primaries, row, sizeof out->primaries);
+    for (int i = 0; i < 3; i++) {
+        out->curve[i] = (struct display_curve){row[5][i], row[3][i], row[4][i], 0, 0};
+        if (!check_curve(path, &out->curve[i], err))
+            return false;
+    }
+    if (!find_matrix(path, out, err))
+        return false;
+    make_profile(out);
+    return true;
 }

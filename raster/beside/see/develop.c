@@ -71,7 +71,7 @@ static bool sum_rows(struct development *of, int y, struct error *err)
 static double largest_wanted(const struct development *of, int channel)
 {
     if (of->values == DEVELOP_RGB)
-        return display_largest(of->display, channel);
+        return display_largest(&of->display, channel);
     return of->values == DEVELOP_RAW ? 1 : channel == 1 ? 100 : HUGE_VAL;
 }
 
@@ -133,7 +133,7 @@ static void store_pixels(void *context, size_t first, size_t end)
         if (of->values == DEVELOP_LAB)
             cielab(values, of->adapted_white, values);
         if (of->values == DEVELOP_RGB)
-            clipped += display_store(of->display, of->bits, values,
+            clipped += display_store(&of->display, of->bits, values,
                                      (char *)of->samples + 3 * i * (size_t)of->bits / 8);
         else
             clipped += store_channels(of, i, values);
@@ -191,7 +191,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
     print(to, "\nvalues            %s%s", values[of->values],
           record->unit && of->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
     if (of->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
+        print(to, " of %d bits\ndisplay           %s", of->bits, of->display.name);
     print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
 }
 
@@ -199,14 +199,13 @@ static bool open_picture(const struct development *of, struct picture_writer *ou
                          struct error *err)
 {
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
-    const struct builtin_file *profile = display_profile(of->display);
+    const struct display *display = &of->display;
     struct printed printed = {.text = NULL};
     if (of->lit)
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
               "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, options_detector(of->options), display_names[of->display],
-              of->exposure);
+              of->cube.image.path, options_detector(of->options), of->display.name, of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -218,9 +217,9 @@ static bool open_picture(const struct development *of, struct picture_writer *ou
         .height = of->cube.image.height,
         .bits = of->bits,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
-        .srgb = rgb && of->display == DISPLAY_SRGB,
-        .profile = rgb ? profile->bytes : NULL,
-        .profile_length = profile->length,
+        .srgb = rgb && display->is_srgb,
+        .profile = rgb ? display->profile : NULL,
+        .profile_length = display->profile_length,
         .description = text,
         .memory = of->memory};
     const bool done = text && picture_open(out, of->options->output, &options, err);
@@ -306,9 +305,11 @@ static bool write_picture(struct development *of, struct error *err)
 
 bool develop(struct development *of, struct error *err)
 {
+    const char *display = of->options->display;
     of->clipped = (struct counter)COUNTER;
     of->full_scale = 1;
-    return (of->lit || cube_open(of->options->operand, &of->cube, err)) &&
+    return display_read(display ? display : "srgb", &of->display, err) &&
+           (of->lit || cube_open(of->options->operand, &of->cube, err)) &&
            develop_weights(of, err) && make_room(of, err) && find_exposure(of, err) &&
            write_picture(of, err);
 }
@@ -333,7 +334,6 @@ bool develop_scene(const struct lit_scene *lit, struct options *options, struct 
                    uint64_t *out_of_gamut, struct error *err)
 {
     struct development of = {.options = options,
-                             .display = DISPLAY_SRGB,
                              .bits = 8,
                              .exposure = 1,
                              .automatic = memory != NULL,

@@ -5,7 +5,7 @@
 /* ---- options ---- */
 
 struct develop_own {
-    const char *adaptation, *display, *exposure, *bits;
+    const char *adaptation, *exposure, *bits;
     bool xyz, lab, raw;
 };
 
@@ -14,9 +14,6 @@ static bool read_options(struct options *options, struct development *out, struc
     const struct develop_own *own = options->own;
     *out = (struct development){.options = options,
                                 .exposure = 1,
-                                .display = own->display && strcmp(own->display, "monitor") == 0
-                                               ? DISPLAY_MONITOR
-                                               : DISPLAY_SRGB,
                                 .values = own->raw   ? DEVELOP_RAW
                                           : own->xyz ? DEVELOP_XYZ
                                           : own->lab ? DEVELOP_LAB
@@ -114,14 +111,14 @@ static bool name_picture(struct options *options, const char *stack, struct erro
 static bool check_raw(const struct options *options, struct error *err)
 {
     const struct develop_own *own = options->own;
-    const char *other = own->xyz          ? "--xyz"
-                        : own->lab        ? "--lab"
-                        : own->adaptation ? "--adaptation"
-                        : own->display    ? "--display"
-                        : options->white  ? "--white"
-                        : options->matrix ? "--matrix"
-                        : options->json   ? "--json"
-                                          : NULL;
+    const char *other = own->xyz           ? "--xyz"
+                        : own->lab         ? "--lab"
+                        : own->adaptation  ? "--adaptation"
+                        : options->display ? "--display"
+                        : options->white   ? "--white"
+                        : options->matrix  ? "--matrix"
+                        : options->json    ? "--json"
+                                           : NULL;
     if (own->raw && other)
         return error_usage(err, "--raw takes no %s", other);
     return !own->raw || !own->bits || strcmp(own->bits, "16") == 0 ||
@@ -154,8 +151,9 @@ static const struct option develop_rows[] = {
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
      OWN(TEXT, develop_own, adaptation)},
-    {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
-     OWN(TEXT, develop_own, display), .choices = display_names},
+    {"--display srgb|monitor|FILE",
+     "sRGB (default), the monitor of the 1998 thesis, or primaries, gain, offset and gamma",
+     SHARED(TEXT, display)},
     {"--exposure FACTOR|auto",
      "a factor, or auto: nothing is brighter than the display (default: 1)",
      OWN(TEXT, develop_own, exposure)},

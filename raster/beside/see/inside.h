@@ -44,7 +44,7 @@ struct development {
     /* The caller sets these, and zeroes all others. */
     struct options *options; /* detector, white, threads and output; its outputs get the picture */
     struct adaptation adaptation; /* a luminance of 0 is found */
-    enum display_kind display;
+    struct display display;
     enum develop_values values;
     int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
                         of counts of the largest */

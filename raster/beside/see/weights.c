@@ -64,7 +64,7 @@ static bool adapt(struct development *of, struct error *err)
     tristimulus_apply_all(m, n, sight->weights);
     tristimulus_apply(m, sight->white, of->adapted_white);
     if (of->values == DEVELOP_RGB) {
-        display_matrix(of->display, m);
+        memcpy(m, of->display.matrix, sizeof m);
         tristimulus_apply_all(m, n, sight->weights);
     }
     return true;

@@ -152,7 +152,7 @@ static bool view_stack(struct options *options, enum output_kind kind, struct te
 {
     const struct view_options *own = options->own;
     const double usual_mb = 40;
-    struct stack_page page = {.detector = options->detector,
+    struct stack_page page = {.options = options,
                               .budget_bytes = 1e6 * (own->budget > 0 ? own->budget : usual_mb)};
     const bool done = refuse_for_stack(options, kind, err) &&
                       stack_page_write(&page, options, kind == PLANES, err);
@@ -221,6 +221,8 @@ static const struct option view_rows[] = {
     {"--gallery", "a live page of all built-in scenes", OWN(FLAG, view_options, gallery)},
     {"--detector, --observer NAME", "sees with it, a built-in one or a file (default: cie1931)",
      SHARED(TEXT, detector), .recorded = true},
+    {"--display srgb|monitor|FILE", "shows on it: see spectral develop (default: srgb)",
+     SHARED(TEXT, display), .recorded = true},
     {"--budget MB", "samples in the page of a stack, at most (default: 40)",
      OWN(NUMBER, view_options, budget), .lowest = 1, .highest = 1e6},
 };

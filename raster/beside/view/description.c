@@ -287,43 +287,41 @@ static void put_adaptations(struct json *json)
 }
 
 /* Returns the least linear value that is shown as this 8-bit code. */
-static double code_step(enum display_kind kind, int channel, int code)
+static double code_step(const struct display *of, int channel, int code)
 {
-    double below = 0, at = display_largest(kind, channel);
+    double below = 0, at = display_largest(of, channel);
     for (double middle = at / 2; middle > below && middle < at; middle = below + (at - below) / 2)
-        if (display_encode(kind, channel, middle) * 255 + 0.5 >= code)
+        if (display_encode(of, channel, middle) * 255 + 0.5 >= code)
             at = middle;
         else
             below = middle;
     return at;
 }
 
-/* Puts the displays. A tone curve is a list of its 255 steps. */
-static void put_displays(struct json *json)
+/* Puts a display. A tone curve is a list of its 255 steps. */
+static void put_display(const char *name, struct json *json, struct error *err)
 {
-    json_open(json, "displays", '[');
-    for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
-        enum display_kind kind = (enum display_kind)i;
-        double matrix[3][3], largest[3], steps[3][255];
-        display_matrix(kind, matrix);
-        for (int c = 0; c < 3; c++) {
-            largest[c] = display_largest(kind, c);
-            for (int code = 1; code <= 255; code++)
-                steps[c][code - 1] = code_step(kind, c, code);
-        }
-        json_open(json, NULL, '{');
-        json_string(json, "name", display_names[kind]);
-        json_rows(json, "matrix", (const double *)matrix, 3);
-        json_numbers(json, "largest", largest, 3);
-        json_rows(json, "steps", (const double *)steps, 255);
-        json_close(json, '}');
+    struct display display;
+    double largest[3], steps[3][255];
+    if (!display_read(name, &display, err))
+        return;
+    for (int c = 0; c < 3; c++) {
+        largest[c] = display_largest(&display, c);
+        for (int code = 1; code <= 255; code++)
+            steps[c][code - 1] = code_step(&display, c, code);
     }
-    json_close(json, ']');
+    json_open(json, NULL, '{');
+    json_string(json, "name", name);
+    json_rows(json, "matrix", (const double *)display.matrix, 3);
+    json_numbers(json, "largest", largest, 3);
+    json_rows(json, "steps", (const double *)steps, 255);
+    json_close(json, '}');
 }
 
-void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
-              struct error *err)
+void put_eyes(const struct cube *cube, bool is_stack, const struct options *options,
+              struct json *json, struct error *err)
 {
+    const char *chosen = options->detector, *display = options->display;
     char name[BUILTIN_NAME];
     json_string(json, "detector", chosen);
     json_open(json, "detectors", '[');
@@ -338,7 +336,13 @@ void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct
     }
     json_close(json, ']');
     put_adaptations(json);
-    put_displays(json);
+    json_string(json, "display", display);
+    json_open(json, "displays", '[');
+    put_display("srgb", json, err);
+    put_display("monitor", json, err);
+    if (display)
+        put_display(display, json, err);
+    json_close(json, ']');
 }
 
 /* ---- all of it ---- */
@@ -380,7 +384,7 @@ char *description_make(const struct viewing *view, struct error *err)
         put_illuminants(&describer);
         put_surfaces(&describer);
         if (scene_cube(scene, &cube, err))
-            put_eyes(&cube, false, view->options->detector, json, err);
+            put_eyes(&cube, false, view->options, json, err);
         free(cube.record.white.value);
     }
     for (int i = 0; i < describer.n_owned; i++)

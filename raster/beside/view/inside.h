@@ -54,8 +54,8 @@ bool still_write(struct viewing *view, struct error *err);
 
 /* A stack as a page shows it: means of factor x factor pixels. */
 struct stack_page {
-    const char *detector; /* that the page sees with at first; NULL: cie1931 */
-    double budget_bytes;  /* of samples, as text of the page, before they are compressed */
+    const struct options *options; /* detector and display are those that the page shows first */
+    double budget_bytes;           /* of samples, as text of the page, before they are compressed */
     /* The findings. */
     struct stack_rows rows; /* those of one row of the page at a time */
     int factor, width, height;
@@ -83,11 +83,12 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 /* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... NULL: see err.
  */
 char *description_make(const struct viewing *view, struct error *err);
-/* Puts all detectors that can see the pages of a cube, the chosen one first (NULL: none); for a
- * stack also their responses to the white and to a radiance of 1. Then come all adaptations and all
- * displays. Fails, see *err, where memory runs out, and where the chosen one is refused. */
-void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
-              struct error *err);
+/* Puts all detectors that can see the pages of a cube, the chosen one first, if the options name
+ * one; for a stack also their responses to the white and to a radiance of 1. Then come all
+ * adaptations and all displays, that of the options last. Fails, see *err, where memory runs out,
+ * and where what is chosen is refused. */
+void put_eyes(const struct cube *cube, bool is_stack, const struct options *options,
+              struct json *json, struct error *err);
 
 /* drawing.c. Puts the head of data: the length of a description in 11 digits, a line's end, and the
  * description, filled up with blanks so that numbers can follow. Frees the description. */

@@ -78,22 +78,22 @@ char *marked_name(const char *scene, struct error *err)
     return printed_take(&name, err);
 }
 
-/* Lists the texts of a scene and the files that it names, and the detector's (NULL: none). The
+/* Lists the texts of a scene and the files that it names, and those of the options. The
  * scene must outlive *out. Refuses a file outside of the scene's folder. The caller frees *out,
  * zeroed before, also after a failure. */
-static bool page_files_make(const struct scene *scene, const char *detector, struct page_files *out,
-                            struct error *err)
+static bool page_files_make(const struct scene *scene, const struct options *options,
+                            struct page_files *out, struct error *err)
 {
-    const char *path = scene->files[0].path;
+    const char *path = scene->files[0].path, *display = options->display;
     bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';
-    done = done && inputs_list(scene, detector, false, &out->inputs, err);
+    done = done && inputs_list(scene, options->detector, false, &out->inputs, err);
     for (int i = 0; done && i < scene->n_texts; i++)
         done = add(out, scene->files[i].path, err);
     for (int i = 0; done && i < out->inputs.n; i++)
         done = add(out, input_path(out->inputs.file[i]), err);
-    return done;
+    return done && (!display || display_is_known(display) || add(out, display, err));
 }
 
 /* ---- their bytes ---- */
@@ -163,7 +163,7 @@ static bool put_scene(const struct options *options, const struct scene *scene, 
     json_string(json, "scene", builtin ? scene->path : page_name(path_name(scene->path)));
     json_strings(json, "options", (const char *const *)options->recorded, options->n_recorded);
     json_open(json, "files", '[');
-    bool done = page_files_make(scene, options->detector, &files, err);
+    bool done = page_files_make(scene, options, &files, err);
     for (int i = 0; done && i < files.n; i++)
         done = add_file(options, scene, &files.list[i], json, bytes, err);
     page_files_free(&files);

@@ -139,7 +139,7 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     json_numbers(&json, "wavelengths", image->wavelengths_nm, image->n_pages);
     json_strings(&json, "objects", objects->text, objects->n);
     put_white(cube, &json, err);
-    put_eyes(cube, true, stack->detector, &json, err);
+    put_eyes(cube, true, stack->options, &json, err);
     return json_take(&json, err);
 }
 
