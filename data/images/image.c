@@ -487,6 +487,15 @@ bool image_is_float(const struct image *image)
     return image->file->pages->bits == 32; /* as all pages: floats are grey */
 }
 
+double image_rounding(const struct image *image, double value)
+{
+    const double float_rounding = 0x1p-24;
+    if (!image->file)
+        return 0;
+    return image_is_float(image) ? fabs(value) * float_rounding
+                                 : image->scale / (ldexp(1, image->file->pages->bits) - 1) / 2;
+}
+
 void image_close(struct image *image)
 {
     struct image_file *file = image->file;

@@ -73,6 +73,8 @@ extern const int rgb_knot_colour[RGB_KNOTS];
 bool image_has_alpha(const struct image *image);
 /* Returns whether all samples are grey floats. */
 bool image_is_float(const struct image *image);
+/* Returns by how much a value may be off since it was stored; 0 where no file is open. */
+double image_rounding(const struct image *image, double value);
 void image_close(struct image *image);
 
 /* ---- decode.c: samples ---- */

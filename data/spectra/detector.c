@@ -67,7 +67,7 @@ bool detector_read(const char *name, struct detector *out, struct error *err)
            (out->n == 3 ||
             error_usage(err,
                         "%s has %d channel%s; expected 3, as 'wavelength,x,y,z' (develop --raw "
-                        "and probe --objects take any number)",
+                        "and probe take any number, and --matrix any to XYZ)",
                         name, out->n, out->n == 1 ? "" : "s"));
 }
 

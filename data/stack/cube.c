@@ -15,14 +15,24 @@ static bool map_is_whole(const struct cube *cube)
 
 bool cube_open(const char *path, struct cube *out, struct error *err)
 {
+    return cube_or_raw_open(path, out, err) &&
+           (!out->raw || error_usage(err,
+                                     "%s has raw values of a detector's channels; expected a "
+                                     "stack, of which these were taken",
+                                     path));
+}
+
+bool cube_or_raw_open(const char *path, struct cube *out, struct error *err)
+{
     struct image *image = &out->image;
     *out = (struct cube){.record = {.text = NULL}};
     if (!image_open(path, NOWHERE, tags_read, image, err) ||
         (record_is_there(image) && !record_read(image, &out->record, err)))
         return false;
     out->unit = out->record.unit ? out->record.unit : RELATIVE_UNIT;
+    out->raw = strstr(image->description, "\nraw values of: ") && !image->wavelengths_nm;
     out->components = out->record.components && !image->coloured;
-    if (out->components) { /* pages have numbers in place of wavelengths */
+    if (out->components || out->raw) { /* pages have numbers in place of wavelengths */
         if (!MAKE_ARRAY(image->wavelengths_nm, image->n_pages, err, "the pages of %s", path))
             return false;
         for (int i = 0; i < image->n_pages; i++)

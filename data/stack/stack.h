@@ -182,11 +182,13 @@ struct cube {
     struct record record; /* zeroed in a stack of another program; map_bytes is 0 where no object
                              map lies where it should */
     bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
+    bool raw;             /* pages are channels, as develop --raw writes; numbers likewise */
     const char *unit;     /* of radiances */
 };
 /* Reads no samples. Messages name the path; their status is EXIT_INPUT. The caller closes *out,
  * also after a failure. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
+bool cube_or_raw_open(const char *path, struct cube *out, struct error *err); /* takes raw values */
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
 void cube_close(struct cube *cube);

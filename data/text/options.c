@@ -26,7 +26,7 @@ static const struct option quiet_rows[] = {
     {"-q, --quiet", "prints no table and no progress", SHARED(FLAG, quiet)},
 };
 static const struct option seeing_rows[] = {
-    {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
+    {"--detector, --observer NAME", "sees with it, an observer or a camera (default: cie1931)",
      SHARED(TEXT, detector)},
     {"--white LIGHT[*REFLECTANCE]|object:NAME",
      "what is white: under this light, or an object's mean (default: the stack's lights)",

@@ -43,11 +43,7 @@ void rows_close(struct stack_rows *rows)
 
 /* A measure of all pixels, in bins that share the first 10 binary digits of a float's mantissa. A
  * quantile is the largest value of its bin, which is too high by less than 1/1024. */
-enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
-struct bin {
-    uint64_t count;
-    double largest;
-};
+enum { MANTISSA_LEFT_OUT = 13 };
 
 static void peak_add(struct peak *to, struct peak peak)
 {
@@ -55,7 +51,7 @@ static void peak_add(struct peak *to, struct peak peak)
         *to = peak;
 }
 
-static void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
+void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
@@ -68,7 +64,7 @@ static void measure_add(struct pixel_difference *to, struct bin *bins, double va
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
-static void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels)
+void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels)
 {
     const uint64_t wanted = n_pixels - n_pixels / 20;
     uint64_t so_far = bin->count;
@@ -290,7 +286,7 @@ static const double same_nm = 1e-6;
 static bool are_alike(const struct cube *a, const struct cube *b)
 {
     const struct record *of_a = &a->record, *of_b = &b->record;
-    if (a->components != b->components || a->image.n_pages != b->image.n_pages)
+    if (a->components != b->components || a->raw != b->raw || a->image.n_pages != b->image.n_pages)
         return false;
     for (int i = 0; i < a->image.n_pages; i++)
         if (!(fabs(a->image.wavelengths_nm[i] - b->image.wavelengths_nm[i]) < same_nm))
@@ -397,7 +393,8 @@ bool compare(struct comparison *of, struct error *err)
 {
     struct options *options = of->options;
     struct cube *a = &of->a.cube, *b = &of->b.cube;
-    if (!cube_open(options->operands[0], a, err) || !cube_open(options->operands[1], b, err))
+    if (!cube_or_raw_open(options->operands[0], a, err) ||
+        !cube_or_raw_open(options->operands[1], b, err))
         return false;
     of->alike = !of->seen && !of->other_detector && are_alike(a, b);
     const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);

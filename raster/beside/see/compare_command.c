@@ -47,11 +47,18 @@ static const char *name_of_pixel(const struct peak *peak, char out[32])
     return peak->largest > 0 ? out : "none";
 }
 
+/* Returns what a page without a wavelength is; NULL: it has one. */
+static const char *page_word(const struct cube *cube)
+{
+    return cube->raw ? "channel" : cube->components ? "component" : NULL;
+}
+
 static void print_bands(const struct comparison *of, struct printed *to)
 {
     char pixel[32];
-    print(to, "%-17s %-12s %-11s %s\n", of->a.cube.components ? "component" : "wavelength (nm)",
-          "largest", "at pixel", "RMS");
+    const char *word = page_word(&of->a.cube);
+    print(to, "%-17s %-12s %-11s %s\n", word ? word : "wavelength (nm)", "largest", "at pixel",
+          "RMS");
     for (int i = 0; i < of->a.cube.image.n_pages; i++) {
         const struct band_difference *band = &of->bands[i];
         print(to, "%-17.10g %-12.6g %-11s %.6g\n", of->a.cube.image.wavelengths_nm[i],
@@ -78,20 +85,20 @@ static void print_pixels(const struct comparison *of, struct printed *to)
 static void print_pages(const struct comparison *of, struct printed *to)
 {
     const struct image *a = &of->a.cube.image, *b = &of->b.cube.image;
-    const bool components = of->a.cube.components;
-    const char *unit = components ? "" : of->a.cube.unit, *blank = components ? "" : " ";
+    const char *word = page_word(&of->a.cube), *unit = word ? "" : of->a.cube.unit,
+               *blank = word ? "" : " ", *other = page_word(&of->b.cube);
     const struct band_difference *all = &of->all;
     char pixel[32];
-    print(to, "stacks            %d x %d pixels, %" PRIu64 " not black in both; %d %s\n", a->width,
-          a->height, of->n_pixels, a->n_pages, components ? "components" : "wavelengths");
+    print(to, "stacks            %d x %d pixels, %" PRIu64 " not black in both; %d %ss\n", a->width,
+          a->height, of->n_pixels, a->n_pages, word ? word : "wavelength");
     if (!of->alike && !of->other_detector)
-        print(to, "                  and %d other %s: colours are compared, nothing else\n",
-              b->n_pages, of->b.cube.components ? "components" : "wavelengths");
+        print(to, "                  and %d other %ss: colours are compared, nothing else\n",
+              b->n_pages, other ? other : "wavelength");
     if (!of->alike)
         return;
-    print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->peak.largest, blank,
-          unit, components ? "component " : "", a->wavelengths_nm[of->largest_band],
-          components ? "" : " nm", name_of_pixel(&all->peak, pixel));
+    print(to, "largest           %.6g%s%s at %s%s%.10g%s, at pixel %s\n", all->peak.largest, blank,
+          unit, word ? word : "", word ? " " : "", a->wavelengths_nm[of->largest_band],
+          word ? "" : " nm", name_of_pixel(&all->peak, pixel));
     print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
 }
@@ -187,86 +194,31 @@ static bool write_json(struct options *options, const struct comparison *of, str
 
 /* ---- objects ---- */
 
-static int by_size(const void *a, const void *b)
-{
-    const double left = *(const double *)a, right = *(const double *)b;
-    return (left > right) - (left < right);
-}
-
-/* Refuses stacks of other objects. */
-static bool check_objects(const struct seen_objects *a, const struct seen_objects *b,
-                          const struct options *options, struct error *err)
-{
-    bool same = a->n == b->n;
-    for (int i = 0; same && i < a->n; i++)
-        same = strcmp(a->list[i].name, b->list[i].name) == 0;
-    return same || error_usage(err, "%s and %s show other objects; expected the same, in one order",
-                               options->operands[0], options->operands[1]);
-}
-
-/* Reports the CIEDE2000 of each object that both stacks show, and of all; *largest: of these. */
-static void put_objects(const struct seen_objects *a, const struct seen_objects *b, double *sorted,
-                        struct json *json, struct printed *to, double *largest)
-{
-    double mean = 0;
-    int n = 0;
-    json_open(json, "objects", '[');
-    for (int i = 0; i < a->n; i++) {
-        double of_a[3], of_b[3];
-        if (a->list[i].pixels == 0 || b->list[i].pixels == 0)
-            continue;
-        cielab(a->list[i].xyz, a->white, of_a);
-        cielab(b->list[i].xyz, a->white, of_b);
-        sorted[n] = ciede2000_difference(of_a, of_b);
-        mean += sorted[n];
-        print(to, "%-12.6g ", sorted[n]);
-        print_printable(to, a->list[i].name);
-        print_text(to, "\n");
-        json_open(json, NULL, '{');
-        json_string(json, "name", a->list[i].name);
-        json_number(json, "dE00", sorted[n++]);
-        json_close(json, '}');
-    }
-    json_close(json, ']');
-    qsort(sorted, (size_t)n, sizeof *sorted, by_size);
-    const double quantile_95 = n > 0 ? sorted[n - n / 20 - 1] : 0;
-    *largest = n > 0 ? sorted[n - 1] : 0;
-    mean /= n > 0 ? n : 1;
-    print(to, "CIEDE2000         %.6g (mean), %.6g (95 %%), %.6g (largest) of %d objects\n", mean,
-          quantile_95, *largest, n);
-    json_number(json, "mean", mean);
-    json_number(json, "quantile_95", quantile_95);
-    json_number(json, "largest", *largest);
-}
-
 static bool compare_objects(struct comparison *of, struct error *err)
 {
-    struct options *options = of->options;
+    struct object_differences found = {.n = 0};
+    const struct pixel_difference *all = &found.all;
     if (of->tolerance.measure == RADIANCE && of->tolerance.value == 0)
         of->tolerance.measure = CIEDE2000;
     if (of->tolerance.measure != CIEDE2000)
         return error_usage(err, "--objects compares colours; expected --tolerance as 0.5dE00");
-    const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
-    struct seen_objects a = {.n = 0}, b = {.n = 0};
-    struct printed printed = {.text = NULL};
-    struct json json;
-    double *sorted = NULL, largest = 0;
-    bool done = objects_see(options->operands[0], &by, &a, err) &&
-                objects_see(options->operands[1], &other, &b, err) &&
-                check_objects(&a, &b, options, err) &&
-                MAKE_ARRAY(sorted, a.n, err, "the differences of %d objects", a.n);
-    if (done) {
-        json_begin(&json);
-        put_objects(&a, &b, sorted, &json, &printed, &largest);
-        print_white(&printed, a.white, true, options->white ? options->white : "recorded");
-        done = report_write(options, &json, &printed, err);
+    json_begin(&found.json);
+    const bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
+                      objects_compare(of, &found, err);
+    print(&found.printed,
+          "CIEDE2000         %.6g (mean), %.6g (95th percentile), %.6g (largest) of %" PRIu64
+          " objects\n",
+          all->mean, all->quantile_95, all->peak.largest, found.n);
+    json_pixels(&found.json, "dE00", all);
+    free(of->bins);
+    if (!done) {
+        FREE_ALL(found.json.printed.text, found.printed.text);
+        return false;
     }
-    seen_objects_free(&a);
-    seen_objects_free(&b);
-    free(sorted);
-    return done && (largest <= of->tolerance.value ||
-                    error_different(err, "%s and %s differ by more than the tolerance",
-                                    options->operands[0], options->operands[1]));
+    return report_write(of->options, &found.json, &found.printed, err) &&
+           (all->peak.largest <= of->tolerance.value ||
+            error_different(err, "%s and %s differ by more than the tolerance",
+                            of->options->operands[0], of->options->operands[1]));
 }
 
 /* ---- the command ---- */

@@ -32,6 +32,11 @@ bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
 
 /* Returns how a command line sees a stack. */
 struct seeing seeing_of(const struct options *options, bool needs_white);
+/* Makes the sights of a probe: of an observer, who sees colours; of a camera, in its channels,
+ * beside which cie1931 sees colours, or the camera by its matrix. An observer is no camera, which
+ * then has no channels. The caller frees both, zeroed before. */
+bool sights_make(const struct cube *cube, const struct options *options, struct sight *camera,
+                 struct sight *colours, struct error *err);
 
 /* ---- develop.c ---- */
 
@@ -101,6 +106,11 @@ struct tolerance {
 
 /* ---- compare.c: the differences of two stacks ---- */
 
+enum { N_BINS = 1 << 18 };
+struct bin {
+    uint64_t count;
+    double largest;
+};
 struct band_difference {
     struct peak peak; /* of |A - B|, in radiance */
     double rms;
@@ -145,6 +155,20 @@ struct comparison {
 bool compare(struct comparison *of, struct error *err);
 /* Returns how A or B is seen: a matrix is the other detector's, if there is one. */
 struct seeing comparison_seeing(const struct comparison *of, bool is_b);
+/* Adds the measure of a pixel to those of all; ends them: see struct pixel_difference. */
+void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y);
+void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels);
+/* probe_objects.c: finds the CIEDE2000 of each object that both stacks show, of the means of its
+ * pixels that are beside no other object; of->bins are there. Adds a line and a JSON object for
+ * each, and the white. Refuses stacks of other objects. */
+struct object_differences {
+    struct pixel_difference all; /* x is the object's number, from 0 */
+    uint64_t n;
+    struct json json; /* begun */
+    struct printed printed;
+};
+bool objects_compare(const struct comparison *of, struct object_differences *out,
+                     struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */
 void comparison_print_colours(const struct comparison *of, struct printed *to);
@@ -180,8 +204,12 @@ struct probe {
     char *source;  /* stack or scene; owned */
     int n;         /* wavelengths */
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
+    bool raw_file; /* of raw values: there are no colours */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
-    struct sight sight;     /* of the observer */
+    struct sight sight;  /* of the observer */
+    struct sight camera; /* and of a camera, if the options name one */
+    double raw[MOST_CHANNELS], raw_bound[MOST_CHANNELS]; /* its values; by how much these may be off
+                                                            since samples are counts */
     double xyz[3], lab[3];  /* of the mean; lab: beside the white, if there is one */
     struct column *columns; /* owned, with their values */
     int n_columns;
@@ -200,20 +228,6 @@ void moments_end(const struct moments *moments, double *mean, double *spread); /
 /* probe_objects.c: prints the values of each object of the stack that is the operand, as text, CSV
  * or JSON. edges: pixels whose neighbours show other objects count, too. */
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err);
-/* The colours of a stack's objects: of the mean of all pixels that are beside no other object. */
-struct seen_objects {
-    struct seen_object {
-        char *name; /* owned */
-        uint64_t pixels;
-        double xyz[3];
-    } * list; /* owned */
-    int n;
-    double white[3]; /* which `by` must need */
-};
-/* Sees them. The caller frees *out, zeroed before, also after a failure. */
-bool objects_see(const char *path, const struct seeing *by, struct seen_objects *out,
-                 struct error *err);
-void seen_objects_free(struct seen_objects *of);
 /* Finds the mean radiance, on each page, of an object, by its name or number, from 1. */
 bool object_radiance(const char *path, const char *wanted, double *out, struct error *err);
 /* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a

@@ -98,7 +98,10 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
             "reaches beyond it",
             image->path, image->width, image->height, probe->at.width, probe->at.height,
             probe->at.x, probe->at.y);
-    if (!add_column(probe, "wavelength", "nm", err) || !add_column(probe, "radiance", NULL, err) ||
+    probe->raw_file = cube->raw;
+    if (!add_column(probe, cube->raw ? "channel" : "wavelength", cube->raw ? "number" : "nm",
+                    err) ||
+        !add_column(probe, cube->raw ? "raw value" : "radiance", cube->raw ? "raw" : NULL, err) ||
         !add_column(probe, "standard deviation of radiance", NULL, err) ||
         !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
         return false;
@@ -111,14 +114,19 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
  * the probe names if it cannot be used. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
-    const struct seeing by = seeing_of(probe->options, false);
+    const int n = probe->n;
     const struct sight *sight = &probe->sight;
     const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    if (!sight_make(cube, SIGHT_OF_OBSERVER, &by, &probe->sight, err))
+    if (!sights_make(cube, probe->options, &probe->camera, &probe->sight, err))
         return false;
+    for (int i = 0; i < probe->camera.detector.n * n; i++) {
+        const double weight = probe->camera.weights[i];
+        probe->raw[i / n] += weight * mean[i % n];
+        probe->raw_bound[i / n] += fabs(weight) * image_rounding(&cube->image, mean[i % n]);
+    }
     detector_response(sight->weights, mean, probe->n, probe->xyz);
     if (sight->has_white)
         cielab(probe->xyz, sight->white, probe->lab);
@@ -254,5 +262,6 @@ void probe_free(struct probe *probe)
     for (int column = 0; column < probe->n_columns; column++)
         free(probe->columns[column].values);
     sight_free(&probe->sight);
+    sight_free(&probe->camera);
     FREE_ALL(probe->columns, probe->source, probe->object, probe->moments);
 }

@@ -89,11 +89,15 @@ static void print_colour(const struct probe *probe, struct printed *to)
 {
     double xy[2];
     const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->sight.white;
+    const struct detector *camera = &probe->camera.detector;
     chromaticity(xyz, xy);
+    for (int i = 0; i < camera->n; i++)
+        print(to, "%-17s %.6g, stored to %.2g\n", camera->channel[i], probe->raw[i],
+              probe->raw_bound[i]);
     if (probe->options->matrix)
         print_detector(to, &probe->sight, probe->options->matrix);
     else
-        print_fact(to, "observer", options_detector(probe->options));
+        print_fact(to, "observer", probe->sight.detector.name);
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
           probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
@@ -123,7 +127,8 @@ static void probe_print(const struct probe *probe, struct printed *to)
     region_text(probe, text, sizeof text);
     print(to, "region            %s\n", text);
     print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
-    print_colour(probe, to);
+    if (!probe->raw_file)
+        print_colour(probe, to);
     for (int column = 0; column < probe->n_columns; column++) {
         column_heading(&probe->columns[column], text);
         snprintf(number, sizeof number, "column %d", column + 1);
@@ -144,8 +149,12 @@ static void probe_json(const struct probe *probe, struct json *json)
         json_count(json, "height", (uint64_t)probe->at.height);
     }
     json_string(json, "object", probe->object);
-    json_string(json, "observer", options_detector(probe->options));
+    json_string(json, "observer", probe->sight.detector.name);
     json_string(json, "matrix", probe->options->matrix);
+    json_strings(json, "channels", (const char *const *)probe->camera.detector.channel,
+                 probe->camera.detector.n);
+    json_numbers(json, "raw", probe->raw, probe->camera.detector.n);
+    json_numbers(json, "raw_bound", probe->raw_bound, probe->camera.detector.n);
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);

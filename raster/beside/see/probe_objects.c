@@ -114,7 +114,7 @@ static bool measure(struct measured *of, struct error *err)
 
 static bool open_stack(struct measured *of, const char *path, struct error *err)
 {
-    return cube_open(path, &of->rows.cube, err) &&
+    return cube_or_raw_open(path, &of->rows.cube, err) &&
            cube_needs_radiance(&of->rows.cube, "a probe", err);
 }
 
@@ -324,21 +324,6 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_close(json, ']');
 }
 
-/* Finds how the detector sees the stack: an observer in colours; a camera in its channels, beside
- * which cie1931 sees colours, unless there is a matrix. */
-static bool find_sights(struct measured *of, const struct options *options, struct error *err)
-{
-    struct seeing by = seeing_of(options, false);
-    const struct cube *cube = &of->rows.cube;
-    if (!sight_make(cube, SIGHT_OF_CHANNELS, &by, &of->camera, err))
-        return false;
-    if (of->camera.observes)
-        sight_free(&of->camera);
-    else if (!by.matrix)
-        by.detector = "cie1931";
-    return sight_make(cube, SIGHT_OF_OBSERVER, &by, &of->colours, err);
-}
-
 /* Measures all objects of a stack, whose sights are found. Gives the values room. */
 static bool measure_objects(struct measured *of, struct values *values, struct error *err)
 {
@@ -359,7 +344,8 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
     struct printed printed = {.text = NULL};
     struct json json;
     bool done = open_stack(&of, options->operand, err) && open_map(&of, err) &&
-                find_sights(&of, options, err) && measure_objects(&of, &values, err);
+                sights_make(&of.rows.cube, options, &of.camera, &of.colours, err) &&
+                measure_objects(&of, &values, err);
     if (done) {
         put_objects(&of, &values, csv, &json, &printed);
         done = report_write(options, &json, &printed, err);
@@ -369,33 +355,65 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
     return done;
 }
 
-bool objects_see(const char *path, const struct seeing *by, struct seen_objects *out,
-                 struct error *err)
+/* ---- the objects of two stacks ---- */
+
+static bool see_objects(const char *path, const struct seeing *by, struct measured *of,
+                        struct values *values, struct error *err)
 {
-    struct measured of = {.edges = false};
-    struct values values = {.name = NULL};
-    bool done = open_stack(&of, path, err) && open_map(&of, err) &&
-                sight_make(&of.rows.cube, SIGHT_OF_OBSERVER, by, &of.colours, err) &&
-                measure_objects(&of, &values, err) &&
-                MAKE_ARRAY(out->list, of.n_objects, err, "the colours of %d objects", of.n_objects);
-    memcpy(out->white, of.colours.white, sizeof out->white);
-    for (; done && out->n < of.n_objects; out->n++) {
-        struct seen_object *object = &out->list[out->n];
-        find_values(&of, out->n, &values);
-        object->pixels = values.pixels;
-        memcpy(object->xyz, values.xyz, sizeof object->xyz);
-        done = string_copy(values.name, &object->name, err);
-    }
-    FREE_ALL(values.mean, values.spread, of.moments);
-    measured_free(&of);
-    return done;
+    return open_stack(of, path, err) && open_map(of, err) &&
+           sight_make(&of->rows.cube, SIGHT_OF_OBSERVER, by, &of->colours, err) &&
+           measure_objects(of, values, err);
 }
 
-void seen_objects_free(struct seen_objects *of)
+/* Compares an object, beside the white of A. Refuses another one. */
+static bool compare_object(const struct values *a, const struct values *b, const double white[3],
+                           double *out, struct error *err)
 {
-    for (int i = 0; i < of->n; i++)
-        free(of->list[i].name);
-    free(of->list);
+    double lab[3];
+    cielab(b->xyz, white, lab);
+    *out = ciede2000_difference(a->lab, lab);
+    return strcmp(a->name, b->name) == 0 ||
+           error_usage(err, "the stacks show other objects: '%.100s' and '%.100s'", a->name,
+                       b->name);
+}
+
+bool objects_compare(const struct comparison *of, struct object_differences *out, struct error *err)
+{
+    const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
+    const char *const *stack = of->options->operands;
+    struct measured a = {.edges = false}, b = a;
+    struct values of_a = {.name = NULL}, of_b = of_a;
+    bool done =
+        see_objects(stack[0], &by, &a, &of_a, err) && see_objects(stack[1], &other, &b, &of_b, err);
+    if (done && a.n_objects != b.n_objects)
+        done = error_usage(err, "%s has %d objects, %s %d", stack[0], a.n_objects, stack[1],
+                           b.n_objects);
+    json_open(&out->json, "objects", '[');
+    for (int i = 0; done && i < a.n_objects; i++) {
+        double difference;
+        find_values(&a, i, &of_a);
+        find_values(&b, i, &of_b);
+        done = compare_object(&of_a, &of_b, a.colours.white, &difference, err);
+        if (!done || of_a.pixels == 0 || of_b.pixels == 0)
+            continue;
+        measure_add(&out->all, of->bins, difference, i, 0);
+        out->n++;
+        print(&out->printed, "%-17.6g ", difference);
+        print_printable(&out->printed, of_a.name);
+        print_text(&out->printed, "\n");
+        json_open(&out->json, NULL, '{');
+        json_string(&out->json, "name", of_a.name);
+        json_number(&out->json, "dE00", difference);
+        json_close(&out->json, '}');
+    }
+    json_close(&out->json, ']');
+    measure_end(&out->all, of->bins, out->n);
+    if (done)
+        print_white(&out->printed, a.colours.white, true, by.white ? by.white : "recorded");
+    FREE_ALL(of_a.mean, of_a.spread, of_b.mean, of_b.spread, a.moments, b.moments);
+    measured_free(&a);
+    measured_free(&b);
+    return done;
 }
 
 bool object_radiance(const char *path, const char *wanted, double *out, struct error *err)

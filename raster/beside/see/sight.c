@@ -278,6 +278,19 @@ bool sight_make(const struct cube *cube, enum sight_kind kind, const struct seei
     return true;
 }
 
+bool sights_make(const struct cube *cube, const struct options *options, struct sight *camera,
+                 struct sight *colours, struct error *err)
+{
+    struct seeing by = seeing_of(options, false);
+    if (!sight_make(cube, SIGHT_OF_CHANNELS, &by, camera, err))
+        return false;
+    if (camera->observes)
+        sight_free(camera);
+    else if (!by.matrix)
+        by.detector = "cie1931";
+    return sight_make(cube, SIGHT_OF_OBSERVER, &by, colours, err);
+}
+
 void sight_free(struct sight *sight)
 {
     detector_free(&sight->detector);
