@@ -17,8 +17,8 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
 {
     return cube_or_raw_open(path, out, err) &&
            (!out->raw || error_usage(err,
-                                     "%s has raw values of a detector's channels; expected a "
-                                     "stack, of which these were taken",
+                                     "%s has raw values of a detector's channels; expected "
+                                     "the stack that they come from",
                                      path));
 }
 

@@ -55,7 +55,7 @@ static void put_fixed(const double *values, int n, unsigned char *out)
 
 /* Puts the display's numbers into the profile. Its tags are, in this order, a name, a copyright,
  * the white, the adaptation, three colorants, three curves. A curve is of function type 1, (a x +
- * b)^g, of which 1 is the largest value (ICC.1:2010, 10.15). */
+ * b)^g, and ends at 1 (ICC.1:2010, 10.15). */
 static void put_numbers(struct display *of)
 {
     enum { TABLE = 132, ROW = 12, ADAPTATION_TAG = 3, COLORANT = 4, CURVE = 7 };

@@ -4,7 +4,7 @@
 
 #include "raster/beside/see/inside.h"
 
-/* What a white is. */
+/* A white: a surface under a light. */
 struct lit_surface {
     struct spectrum light, reflectance;
     bool reflects; /* otherwise it is a perfect diffuser */

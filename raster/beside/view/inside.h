@@ -86,7 +86,7 @@ char *description_make(const struct viewing *view, struct error *err);
 /* Puts all detectors that can see the pages of a cube, the chosen one first, if the options name
  * one; for a stack also their responses to the white and to a radiance of 1. Then come all
  * adaptations and all displays, that of the options last. Fails, see *err, where memory runs out,
- * and where what is chosen is refused. */
+ * and where the detector or the display of the options is refused. */
 void put_eyes(const struct cube *cube, bool is_stack, const struct options *options,
               struct json *json, struct error *err);
 
