@@ -192,36 +192,47 @@ static bool write_json(struct options *options, const struct comparison *of, str
     return json_write(&json, options->json, &options->outputs, err);
 }
 
-/* ---- objects ---- */
+/* ---- the command ---- */
+
+static bool compare_pixels(struct comparison *of, const char *tolerance, struct error *err)
+{
+    struct options *options = of->options;
+    struct printed printed = {.text = NULL};
+    if ((of->map && !picture_accepts(of->map, err)) || !compare(of, err) ||
+        (options->json && !write_json(options, of, err)))
+        return false;
+    if (!options->quiet) {
+        print_comparison(of, tolerance, &printed);
+        if (options->verbose && of->alike)
+            print_bands(of, &printed);
+    }
+    return printed_show(&printed, options_table(options, of->map), err);
+}
 
 static bool compare_objects(struct comparison *of, struct error *err)
 {
-    struct object_differences found = {.n = 0};
-    const struct pixel_difference *all = &found.all;
+    struct options *options = of->options;
+    const struct pixel_difference *all = &of->pixels[CIEDE2000];
+    struct printed printed = {.text = NULL};
+    struct json json;
+    if (of->map)
+        return error_usage(err, "--objects takes no --map, which shows pixels");
     if (of->tolerance.measure == RADIANCE && of->tolerance.value == 0)
         of->tolerance.measure = CIEDE2000;
     if (of->tolerance.measure != CIEDE2000)
         return error_usage(err, "--objects compares colours; expected --tolerance as 0.5dE00");
-    json_begin(&found.json);
-    const bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
-                      objects_compare(of, &found, err);
-    print(&found.printed,
+    json_begin(&json);
+    bool done = objects_compare(of, &json, &printed, err);
+    print(&printed,
           "CIEDE2000         %.6g (mean), %.6g (95th percentile), %.6g (largest) of %" PRIu64
           " objects\n",
-          all->mean, all->quantile_95, all->peak.largest, found.n);
-    json_pixels(&found.json, "dE00", all);
-    free(of->bins);
-    if (!done) {
-        FREE_ALL(found.json.printed.text, found.printed.text);
-        return false;
-    }
-    return report_write(of->options, &found.json, &found.printed, err) &&
-           (all->peak.largest <= of->tolerance.value ||
-            error_different(err, "%s and %s differ by more than the tolerance",
-                            of->options->operands[0], of->options->operands[1]));
+          all->mean, all->quantile_95, all->peak.largest, of->n_pixels);
+    json_pixels(&json, "dE00", all);
+    done = done && (!options->json || json_write(&json, options->json, &options->outputs, err)) &&
+           (options->quiet || printed_show(&printed, options_table(options, NULL), err));
+    FREE_ALL(json.printed.text, printed.text);
+    return done;
 }
-
-/* ---- the command ---- */
 
 static bool run_compare(struct options *options, struct error *err)
 {
@@ -230,25 +241,14 @@ static bool run_compare(struct options *options, struct error *err)
     const char *tolerance = own->tolerance ? own->tolerance : "0";
     struct comparison comparison = {
         .options = options, .map = own->map, .other_detector = own->other};
-    struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    if (own->objects && own->map)
-        return error_usage(err, "--objects takes no --map, which shows pixels");
-    bool done = read_tolerance(tolerance, &comparison.tolerance, err);
-    if (done && own->objects)
-        return scene_refuse(a, err) && scene_refuse(b, err) && compare_objects(&comparison, err);
-    done = done && (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-           scene_refuse(b, err) && compare(&comparison, err) &&
-           (!options->json || write_json(options, &comparison, err));
-    if (done && !options->quiet) {
-        print_comparison(&comparison, tolerance, &printed);
-        if (options->verbose && comparison.alike)
-            print_bands(&comparison, &printed);
-    }
-    done = printed_show(&printed, options_table(options, own->map), err) && done &&
-           (comparison_is_within(&comparison) ||
-            error_different(err, "%s and %s differ by more than the tolerance", a, b));
+    const bool done = read_tolerance(tolerance, &comparison.tolerance, err) &&
+                      scene_refuse(a, err) && scene_refuse(b, err) &&
+                      (own->objects ? compare_objects(&comparison, err)
+                                    : compare_pixels(&comparison, tolerance, err)) &&
+                      (comparison_is_within(&comparison) ||
+                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }

@@ -159,15 +159,9 @@ struct seeing comparison_seeing(const struct comparison *of, bool is_b);
 void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y);
 void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels);
 /* probe_objects.c: finds the CIEDE2000 of each object that both stacks show, of the means of its
- * pixels that are beside no other object; of->bins are there. Adds a line and a JSON object for
- * each, and the white. Refuses stacks of other objects. */
-struct object_differences {
-    struct pixel_difference all; /* x is the object's number, from 0 */
-    uint64_t n;
-    struct json json; /* begun */
-    struct printed printed;
-};
-bool objects_compare(const struct comparison *of, struct object_differences *out,
+ * pixels that are beside no other object; then n_pixels is that of objects, and x of the peak the
+ * number of one. Adds a line and a JSON object for each, and the white. Refuses other objects. */
+bool objects_compare(struct comparison *of, struct json *json, struct printed *to,
                      struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */

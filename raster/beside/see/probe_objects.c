@@ -377,18 +377,20 @@ static bool compare_object(const struct values *a, const struct values *b, const
                        b->name);
 }
 
-bool objects_compare(const struct comparison *of, struct object_differences *out, struct error *err)
+bool objects_compare(struct comparison *of, struct json *json, struct printed *to,
+                     struct error *err)
 {
     const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
     const char *const *stack = of->options->operands;
     struct measured a = {.edges = false}, b = a;
     struct values of_a = {.name = NULL}, of_b = of_a;
-    bool done =
-        see_objects(stack[0], &by, &a, &of_a, err) && see_objects(stack[1], &other, &b, &of_b, err);
+    bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
+                see_objects(stack[0], &by, &a, &of_a, err) &&
+                see_objects(stack[1], &other, &b, &of_b, err);
     if (done && a.n_objects != b.n_objects)
         done = error_usage(err, "%s has %d objects, %s %d", stack[0], a.n_objects, stack[1],
                            b.n_objects);
-    json_open(&out->json, "objects", '[');
+    json_open(json, "objects", '[');
     for (int i = 0; done && i < a.n_objects; i++) {
         double difference;
         find_values(&a, i, &of_a);
@@ -396,20 +398,21 @@ bool objects_compare(const struct comparison *of, struct object_differences *out
         done = compare_object(&of_a, &of_b, a.colours.white, &difference, err);
         if (!done || of_a.pixels == 0 || of_b.pixels == 0)
             continue;
-        measure_add(&out->all, of->bins, difference, i, 0);
-        out->n++;
-        print(&out->printed, "%-17.6g ", difference);
-        print_printable(&out->printed, of_a.name);
-        print_text(&out->printed, "\n");
-        json_open(&out->json, NULL, '{');
-        json_string(&out->json, "name", of_a.name);
-        json_number(&out->json, "dE00", difference);
-        json_close(&out->json, '}');
+        measure_add(&of->pixels[CIEDE2000], of->bins, difference, i, 0);
+        of->n_pixels++;
+        print(to, "%-17.6g ", difference);
+        print_printable(to, of_a.name);
+        print_text(to, "\n");
+        json_open(json, NULL, '{');
+        json_string(json, "name", of_a.name);
+        json_number(json, "dE00", difference);
+        json_close(json, '}');
     }
-    json_close(&out->json, ']');
-    measure_end(&out->all, of->bins, out->n);
-    if (done)
-        print_white(&out->printed, a.colours.white, true, by.white ? by.white : "recorded");
+    json_close(json, ']');
+    if (done) {
+        measure_end(&of->pixels[CIEDE2000], of->bins, of->n_pixels);
+        print_white(to, a.colours.white, true, by.white ? by.white : "recorded");
+    }
     FREE_ALL(of_a.mean, of_a.spread, of_b.mean, of_b.spread, a.moments, b.moments);
     measured_free(&a);
     measured_free(&b);
