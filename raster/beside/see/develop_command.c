@@ -33,13 +33,14 @@ static bool read_options(struct options *options, struct development *out, struc
 static void print_development(const struct development *of, const char *output, struct printed *to)
 {
     const struct image *image = &of->cube.image;
-    const double pixels = (double)image->width * image->height, *lost = of->sight.lost;
+    const double pixels = (double)image->width * image->height;
     develop_print_settings(of, to);
     print(to, "%s       %d, %s %.10g to %.10g nm\n",
           of->cube.components ? "components " : "wavelengths", image->n_pages,
           of->cube.components ? "of" : "from", of->first_nm, of->last_nm);
-    print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
-          100 * lost[0], 100 * lost[1], 100 * lost[2]);
+    for (int i = 0; i < of->sight.detector.n; i++)
+        print(to, "%s%.4g %%", i == 0 ? "unseen            " : ", ", 100 * of->sight.lost[i]);
+    print_text(to, " of the sensitivities lie outside\n");
     if (of->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
               (unsigned long long)of->clipped.n, pixels, 100 * (double)of->clipped.n / pixels);
@@ -82,7 +83,7 @@ static bool write_json(struct options *options, const struct development *of, st
     json_count(&json, "pages", (uint64_t)of->cube.image.n_pages);
     json_number(&json, "first_nm", of->first_nm);
     json_number(&json, "last_nm", of->last_nm);
-    json_numbers(&json, "unseen", of->sight.lost, 3);
+    json_numbers(&json, "unseen", of->sight.lost, of->sight.detector.n);
     json_count(&json, "out_of_gamut_pixels", of->values == DEVELOP_RGB ? of->clipped.n : 0);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
