@@ -124,7 +124,9 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
         print_white(to, of->sight.white, true,
                     of->options->white ? of->options->white : "recorded by the first stack");
     } else
-        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+        print_fact(to, "colour",
+                   of->a.cube.raw ? "none: raw values have none"
+                                  : "none: there is no white; --white SPECTRUM gives one");
     if (of->map)
         print_fact(to, "map", of->map);
     if (of->coloured) {
@@ -172,7 +174,7 @@ static bool write_json(struct options *options, const struct comparison *of, str
     json_count(&json, "pixels_not_black", of->n_pixels);
     json_truth(&json, "colours_alone", !of->alike);
     json_numbers(&json, "wavelengths_nm",
-                 of->a.cube.components || !of->alike ? NULL : image->wavelengths_nm,
+                 page_word(&of->a.cube) || !of->alike ? NULL : image->wavelengths_nm,
                  image->n_pages);
     json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);
@@ -203,22 +205,25 @@ static bool compare_objects(struct comparison *of, struct error *err)
     if (of->tolerance.measure != CIEDE2000)
         return error_usage(err, "--objects compares colours; expected --tolerance as 0.5dE00");
     json_begin(&found.json);
-    const bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
-                      objects_compare(of, &found, err);
+    bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
+                objects_compare(of, &found, err);
     print(&found.printed,
           "CIEDE2000         %.6g (mean), %.6g (95th percentile), %.6g (largest) of %" PRIu64
           " objects\n",
           all->mean, all->quantile_95, all->peak.largest, found.n);
     json_pixels(&found.json, "dE00", all);
     free(of->bins);
-    if (!done) {
-        FREE_ALL(found.json.printed.text, found.printed.text);
-        return false;
-    }
-    return report_write(of->options, &found.json, &found.printed, err) &&
-           (all->peak.largest <= of->tolerance.value ||
-            error_different(err, "%s and %s differ by more than the tolerance",
-                            of->options->operands[0], of->options->operands[1]));
+    if (done && of->options->json)
+        done = json_write(&found.json, of->options->json, &of->options->outputs, err);
+    else
+        free(printed_end(&found.json.printed));
+    if (!done || of->options->quiet)
+        free(printed_end(&found.printed));
+    else
+        done = printed_show(&found.printed, options_table(of->options, NULL), err);
+    return done && (all->peak.largest <= of->tolerance.value ||
+                    error_different(err, "%s and %s differ by more than the tolerance",
+                                    of->options->operands[0], of->options->operands[1]));
 }
 
 /* ---- the command ---- */

@@ -383,8 +383,9 @@ bool objects_compare(const struct comparison *of, struct object_differences *out
     const char *const *stack = of->options->operands;
     struct measured a = {.edges = false}, b = a;
     struct values of_a = {.name = NULL}, of_b = of_a;
-    bool done =
-        see_objects(stack[0], &by, &a, &of_a, err) && see_objects(stack[1], &other, &b, &of_b, err);
+    bool done = see_objects(stack[0], &by, &a, &of_a, err) &&
+                see_objects(stack[1], &other, &b, &of_b, err) &&
+                check_units(&a.rows.cube, &b.rows.cube, err);
     if (done && a.n_objects != b.n_objects)
         done = error_usage(err, "%s has %d objects, %s %d", stack[0], a.n_objects, stack[1],
                            b.n_objects);
