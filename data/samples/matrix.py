@@ -16,12 +16,14 @@ if len(sys.argv) < 2:
 try:
     with open(sys.argv[1], encoding="utf-8", newline="") as file:
         heading, *rows = list(csv.reader(file)) or [[]]
-    own = [name for name in heading if name + " standard deviation" in heading and not name.endswith(" nm")]
+    behind = ["" for _ in heading[:8]] + heading[8:]  # object, pixels, X, Y, Z, L, a, b: a channel may be named b, too
+    own = [name for name in behind if name and name + " standard deviation" in heading and not name.endswith(" nm")]
     channels = sys.argv[2:] or own
-    for name in ["X", "Y", "Z", *channels]:
-        if heading.count(name) != 1:
-            raise ValueError(f"expected one column {name}, found {heading.count(name)}; its channels: {', '.join(own) or 'none'}")
-    columns = [heading.index(name) for name in ["X", "Y", "Z", *channels]]
+    wanted = [(name, heading[:8]) for name in "XYZ"] + [(name, behind) for name in channels]
+    for name, names in wanted:
+        if names.count(name) != 1:
+            raise ValueError(f"expected one column {name}, found {names.count(name)}; its channels: {', '.join(own) or 'none'}")
+    columns = [names.index(name) for name, names in wanted]
     table = np.array([[row[i] for i in columns] for row in rows if row[columns[0]]], float).reshape(-1, len(columns))
     if not channels or not np.isfinite(table).all():
         raise ValueError("expected channels of a camera, and numbers that are finite")
@@ -30,6 +32,6 @@ except (OSError, ValueError, IndexError) as why:
 matrix, _, rank, _ = np.linalg.lstsq(table[:, 3:], table[:, :3], rcond=None)
 if rank < len(channels):
     sys.exit(f"matrix.py: {sys.argv[1]}: its {len(channels)} channels need as many objects with independent raw values, found {rank}")
-out = csv.writer(sys.stdout, lineterminator="\n")
+out = csv.writer(sys.stdout, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)  # names may have blanks
 out.writerow(["channel", "X", "Y", "Z"])
-out.writerows([name, *map(repr, map(float, row))] for name, row in zip(channels, matrix))
+out.writerows([name, *map(float, row)] for name, row in zip(channels, matrix))

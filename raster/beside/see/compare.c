@@ -298,6 +298,13 @@ static bool are_alike(const struct cube *a, const struct cube *b)
                                      (size_t)of_a->response.n * sizeof(double)) == 0);
 }
 
+bool check_units(const struct cube *a, const struct cube *b, struct error *err)
+{
+    return !a->record.text || !b->record.text || !a->record.unit == !b->record.unit ||
+           error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
+                       a->unit, b->image.path, b->unit);
+}
+
 /* Refuses stacks of different size, and radiances in different units. */
 static bool check_stacks(const struct cube *a, const struct cube *b, struct error *err)
 {
@@ -305,9 +312,19 @@ static bool check_stacks(const struct cube *a, const struct cube *b, struct erro
         return error_at(err, (struct place){b->image.path, 0, 0},
                         "%d x %d pixels, but %s has %d x %d", b->image.width, b->image.height,
                         a->image.path, a->image.width, a->image.height);
-    return !a->record.text || !b->record.text || !a->record.unit == !b->record.unit ||
-           error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
-                       a->unit, b->image.path, b->unit);
+    return check_units(a, b, err);
+}
+
+/* Refuses colours of raw values. */
+static bool check_raw(const struct comparison *of, struct error *err)
+{
+    const struct cube *a = &of->a.cube, *b = &of->b.cube;
+    const struct seeing by = comparison_seeing(of, false);
+    return !(a->raw || b->raw) || (of->alike && !by.needs_white && !by.white && !by.matrix) ||
+           error_usage(err,
+                       "%s and %s: raw values have no colours; expected two files of as many "
+                       "channels, and no option of colours",
+                       a->image.path, b->image.path);
 }
 
 /* Refuses a tolerance and a map that colours do not have, where they alone are compared. */
@@ -398,7 +415,7 @@ bool compare(struct comparison *of, struct error *err)
         return false;
     of->alike = !of->seen && !of->other_detector && are_alike(a, b);
     const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
-    return check_stacks(a, b, err) && check_wanted(of, err) &&
+    return check_stacks(a, b, err) && check_raw(of, err) && check_wanted(of, err) &&
            sight_make(a, SIGHT_OF_OBSERVER, &by, &of->sight, err) &&
            (of->alike || sight_make(b, SIGHT_OF_OBSERVER, &other, &of->other, err)) &&
            allocate(of, err) && (!of->map || open_map(of, err)) && compare_rows(of, err) &&

@@ -124,7 +124,9 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
         print_white(to, of->sight.white, true,
                     of->options->white ? of->options->white : "recorded by the first stack");
     } else
-        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+        print_fact(to, "colour",
+                   of->a.cube.raw ? "none: raw values have none"
+                                  : "none: there is no white; --white SPECTRUM gives one");
     if (of->map)
         print_fact(to, "map", of->map);
     if (of->coloured) {
@@ -172,7 +174,7 @@ static bool write_json(struct options *options, const struct comparison *of, str
     json_count(&json, "pixels_not_black", of->n_pixels);
     json_truth(&json, "colours_alone", !of->alike);
     json_numbers(&json, "wavelengths_nm",
-                 of->a.cube.components || !of->alike ? NULL : image->wavelengths_nm,
+                 page_word(&of->a.cube) || !of->alike ? NULL : image->wavelengths_nm,
                  image->n_pages);
     json_band(&json, of->alike ? &of->all : &unknown);
     json_number(&json, "largest_of_A", of->largest_radiance);

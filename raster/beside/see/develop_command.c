@@ -33,15 +33,13 @@ static bool read_options(struct options *options, struct development *out, struc
 static void print_development(const struct development *of, const char *output, struct printed *to)
 {
     const struct image *image = &of->cube.image;
-    const double pixels = (double)image->width * image->height, *lost = of->sight.lost;
-    const int n_channels = of->sight.detector.n;
+    const double pixels = (double)image->width * image->height;
     develop_print_settings(of, to);
     print(to, "%s       %d, %s %.10g to %.10g nm\n",
           of->cube.components ? "components " : "wavelengths", image->n_pages,
           of->cube.components ? "of" : "from", of->first_nm, of->last_nm);
-    print_text(to, "unseen            ");
-    for (int i = 0; i < n_channels; i++)
-        print(to, "%.4g %%%s", 100 * lost[i], i + 1 < n_channels ? ", " : "");
+    for (int i = 0; i < of->sight.detector.n; i++)
+        print(to, "%s%.4g %%", i == 0 ? "unseen            " : ", ", 100 * of->sight.lost[i]);
     print_text(to, " of the sensitivities lie outside\n");
     if (of->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",

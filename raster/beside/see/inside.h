@@ -155,12 +155,15 @@ struct comparison {
 bool compare(struct comparison *of, struct error *err);
 /* Returns how A or B is seen: a matrix is the other detector's, if there is one. */
 struct seeing comparison_seeing(const struct comparison *of, bool is_b);
+/* Refuses radiances in different units, of two stacks of this program. */
+bool check_units(const struct cube *a, const struct cube *b, struct error *err);
 /* Adds the measure of a pixel to those of all; ends them: see struct pixel_difference. */
 void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y);
 void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels);
 /* probe_objects.c: finds the CIEDE2000 of each object that both stacks show, of the means of its
  * pixels that are beside no other object; then n_pixels is that of objects, and x of the peak the
- * number of one. Adds a line and a JSON object for each, and the white. Refuses other objects. */
+ * number of one. Adds a line and a JSON object for each, and the white. Refuses other objects and
+ * units. */
 bool objects_compare(struct comparison *of, struct json *json, struct printed *to,
                      struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */

@@ -102,7 +102,8 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
     if (!add_column(probe, cube->raw ? "channel" : "wavelength", cube->raw ? "number" : "nm",
                     err) ||
         !add_column(probe, cube->raw ? "raw value" : "radiance", cube->raw ? "raw" : NULL, err) ||
-        !add_column(probe, "standard deviation of radiance", NULL, err) ||
+        !add_column(probe, cube->raw ? "standard deviation" : "standard deviation of radiance",
+                    cube->raw ? "raw" : NULL, err) ||
         !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
         return false;
     memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
@@ -120,6 +121,8 @@ bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
+    if (cube->raw)
+        return true;
     if (!sights_make(cube, probe->options, &probe->camera, &probe->sight, err))
         return false;
     for (int i = 0; i < probe->camera.detector.n * n; i++) {

@@ -155,12 +155,17 @@ static void probe_json(const struct probe *probe, struct json *json)
                  probe->camera.detector.n);
     json_numbers(json, "raw", probe->raw, probe->camera.detector.n);
     json_numbers(json, "raw_bound", probe->raw_bound, probe->camera.detector.n);
-    json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
-    json_numbers(json, "XYZ", probe->xyz, 3);
+    json_string(json, "unit",
+                probe->raw_file   ? "raw"
+                : probe->absolute ? ABSOLUTE_UNIT
+                                  : RELATIVE_UNIT);
+    json_numbers(json, "XYZ", probe->raw_file ? NULL : probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);
     json_numbers(json, "Lab", probe->sight.has_white ? probe->lab : NULL, 3);
     for (int column = 0; column < CURVES; column++)
-        json_numbers(json, names[column], probe->columns[column].values, probe->n);
+        json_numbers(json, names[column],
+                     probe->raw_file && column == WAVELENGTH ? NULL : probe->columns[column].values,
+                     probe->n);
     json_open(json, "curves", '[');
     for (int column = CURVES; column < probe->n_columns; column++) {
         json_open(json, NULL, '{');

@@ -181,6 +181,11 @@ static bool choose_pixels(struct measured *of, struct probe *probe, struct error
     return of->first > 0;
 }
 
+static bool no_pixel(const char *path, const char *wanted, struct error *err)
+{
+    return error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, wanted);
+}
+
 bool probe_stack(struct probe *probe, struct error *err)
 {
     struct measured of = {.edges = false};
@@ -189,8 +194,7 @@ bool probe_stack(struct probe *probe, struct error *err)
     bool done = open_stack(&of, path, err) && probe_begin(probe, cube, err) &&
                 choose_pixels(&of, probe, err) && measure(&of, err);
     if (done && probe->moments->n == 0)
-        done =
-            error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
+        done = no_pixel(path, probe->wanted, err);
     if (done && probe->shown >= 0)
         done = string_copy(probe->shown > 0 ? cube->record.objects.text[probe->shown - 1]
                                             : "background",
@@ -386,7 +390,8 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
     struct values of_a = {.name = NULL}, of_b = of_a;
     bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
                 see_objects(stack[0], &by, &a, &of_a, err) &&
-                see_objects(stack[1], &other, &b, &of_b, err);
+                see_objects(stack[1], &other, &b, &of_b, err) &&
+                check_units(&a.rows.cube, &b.rows.cube, err);
     if (done && a.n_objects != b.n_objects)
         done = error_usage(err, "%s has %d objects, %s %d", stack[0], a.n_objects, stack[1],
                            b.n_objects);
@@ -429,6 +434,8 @@ bool object_radiance(const char *path, const char *wanted, double *out, struct e
     of.n_columns = cube->image.n_pages;
     done = done && MAKE_ARRAY(of.moments, of.n_columns, err, "the mean of an object") &&
            measure(&of, err);
+    if (done && of.moments->n == 0)
+        done = no_pixel(path, wanted, err);
     for (int i = 0; done && i < of.n_columns; i++)
         moments_end(&of.moments[i], &out[i], &spread);
     free(of.moments);

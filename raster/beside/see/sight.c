@@ -138,6 +138,9 @@ static bool white_of_option(const struct cube *cube, const char *value,
                        method.kind == SAMPLING_BOX; /* pages are means over their segments */
     const double *segments = record->segments.value;
     struct lit_surface white = {.reflects = false};
+    if (strncmp(value, "object:", 7) == 0 && fixed)
+        return error_usage(err, "%s was sampled for %s; --white object: needs all wavelengths",
+                           cube->image.path, record->sampling_detector);
     if (strncmp(value, "object:", 7) == 0)
         return object_radiance(cube->image.path, value + 7, out, err);
     const bool good = read_white(value, &white, err) &&

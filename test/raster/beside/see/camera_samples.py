@@ -248,6 +248,19 @@ def linear():
               f"{n} channels: the least squares of the rest", found)
 
 
+def names():
+    """Channels have names of coordinates, too, and blanks."""
+    raw, matrix = RNG.uniform(0.1, 9, (20, 3)), RNG.normal(size=(3, 3))
+    for channels in ["r", "g", "b"], ["X", "a", "Y"], ["c 1", "c 2", "450"]:
+        names, found = fitted(objects_table("names.csv", channels, raw, raw @ matrix))
+        check(names == channels and np.abs(found - matrix).max() < 1e-9, f"channels {channels}", names, found)
+    write("camera.csv", CAMERA.replace("violet", '"deep violet"').replace("red", "b"))
+    output_of("render", *CHART, "-o", path_of("chart.tif"))
+    output_of("probe", path_of("chart.tif"), "--objects", "--detector", path_of("camera.csv"), "--csv", "-o", path_of("objects.csv"))
+    write("fit.csv", sample("matrix", path_of("objects.csv")).stdout)
+    output_of("develop", path_of("chart.tif"), "--detector", path_of("camera.csv"), "--matrix", path_of("fit.csv"), "-q", "-o", path_of("chart.png"))
+
+
 def fits():
     """The chart of 24 patches: the fit is that of probe's JSON, and takes the picture's raw values near its XYZ."""
     output_of("render", *CHART, "-o", path_of("chart.tif"))
@@ -271,17 +284,17 @@ def no_fits():
     raw = RNG.uniform(1, 2, (9, 3))
     good = objects_table("good.csv", ["r", "g", "u"], raw, raw)
     refused("matrix", "a channel that is not there", "expected one column y, found 0; its channels: r, g, u", good, "r", "y")
-    refused("matrix", "a channel with the name of a coordinate", "expected one column X, found 2", objects_table("twice.csv", ["r", "X"], raw[:, :2], raw))
+    refused("matrix", "two channels of one name", "expected one column r, found 2", objects_table("twice.csv", ["r", "r"], raw[:, :2], raw))
     refused("matrix", "fewer objects than channels", "its 3 channels need as many objects .*, found 2", objects_table("few.csv", ["r", "g", "u"], raw[:2], raw[:2]))
     refused("matrix", "two channels that are alike", "its 3 channels need as many objects .*, found 2", objects_table("alike.csv", ["r", "g", "u"], raw[:, [0, 1, 1]], raw))
     refused("matrix", "objects without channels", "expected channels of a camera", objects_table("none.csv", [], raw[:, :0], raw))
     refused("matrix", "NaN", "numbers that are finite", objects_table("nan.csv", ["r", "g", "u"], raw * np.nan, raw))
     refused("matrix", "another table", "expected one column X", write("other.csv", "nm,R\n400,1\n"))
     refused("matrix", "an empty file", "expected one column X", write("empty.csv", ""))
-    refused("matrix", "a word for a number", "could not convert", write("word.csv", "X,Y,Z,r,r standard deviation\n1,2,3,red,0\n"))
+    refused("matrix", "a word for a number", "could not convert", write("word.csv", "object,pixels,X,Y,Z,L,a,b,r,r standard deviation\no,1,1,2,3,4,5,6,red,0\n"))
     refused("matrix", "a table that is not there", "No such file", f"{TMP}/absent.csv")
     refused("matrix", "no table", "matrix.py OBJECTS.csv")
 
 
-parts(blacks, seen_by_probe, no_pairs, noise, of_the_camera, no_electrons, linear, fits, no_fits)
+parts(blacks, seen_by_probe, no_pairs, noise, of_the_camera, no_electrons, linear, names, fits, no_fits)
 done()
