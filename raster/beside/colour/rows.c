@@ -21,7 +21,7 @@ static bool read_row(struct text *text, const char *name, double out[3], struct 
         return error_at(err, word.place, "expected the row of '%s', found '%.*s'", name,
                         word_shown(&word), word.start);
     for (int i = 0; i < 3; i++)
-        if (!text_number(text, "a number", -1e30, 1e30, &out[i], err))
+        if (!text_number(text, "a value of the row", -1e30, 1e30, &out[i], err))
             return false;
     return text_end(text, "a row of three numbers", err);
 }

@@ -417,7 +417,7 @@ def raw_files():
         text = output_of("info", path)
         check(f"raw values of: {A}" in text and f"detector: {camera.path}" in text, f"{name}: info says what it is", text)
         for command, *more in ("develop", "-o", REFUSED), ("view", "-o", path_of("refused.html")), ("envi", "-o", path_of("refused.img")):
-            refuses(f"{name}, by {command}", "has raw values of a detector's channels; expected a stack", command, path, *more, absent=more[1])
+            refuses(f"{name}, by {command}", "has raw values of a detector's channels; expected the stack", command, path, *more, absent=more[1])
         refuses(f"{name}: objects", "no map of objects", "probe", path, "--objects")
     check(run("compare", floats, floats).returncode == 0, "a raw file equals itself")
     for b in counts, others:
