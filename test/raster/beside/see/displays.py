@@ -18,7 +18,7 @@ NM = np.arange(400, 701, 20)
 
 
 def strong_colours():
-    """A stack of few bright bands in each pixel, of which many colours are beyond each display, and its XYZ."""
+    """A stack of few bright bands in each pixel, many of them beyond each display, and its XYZ."""
     radiance = (np.random.default_rng(78).random((len(NM), 40, 60)) ** 4 * 2).astype(np.float32)
     return write_stack("strong.tif", radiance, NM), np.moveaxis(np.tensordot(weights("cie1931", NM), radiance.astype(float), (1, 0)), 0, -1)
 
