@@ -17,6 +17,7 @@ static const struct fuzz_target targets[] = {
     {"mtl", ".mtl", fuzz_mtl},
     {"map", ".map", fuzz_map},
     {"matrix", ".csv", fuzz_matrix},
+    {"display", ".csv", fuzz_display},
     {"texture", ".texture.tif", fuzz_texture},
     {"png", NULL, fuzz_png},
     {"set", ".ti3", fuzz_table},

@@ -43,6 +43,7 @@ void fuzz_mesh(const struct fuzz_input *input);
 void fuzz_mtl(const struct fuzz_input *input);
 void fuzz_map(const struct fuzz_input *input);
 void fuzz_matrix(const struct fuzz_input *input);
+void fuzz_display(const struct fuzz_input *input);
 void fuzz_texture(const struct fuzz_input *input);
 void fuzz_png(const struct fuzz_input *input);
 void fuzz_record(const struct fuzz_input *input);

@@ -51,6 +51,7 @@ fuzz_seeds() {
     mtl) find test/cases/bad/maps "$made" -name '*.mtl' ;;
     map) find data/builtin/models test/cases/bad/maps "$made" -name '*.map' ;;
     matrix) find test/cases/bad/matrices "$made" -name '*.csv' ;;
+    display) find data/builtin/displays -name '*.csv' ;;
     texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' -o -name '*.sgi' ;;
     png) find "$made" -name 'png-*' ;;
     set) find "$made" -name '*.ti3' ;;
@@ -67,6 +68,7 @@ fuzz_words() {
     list | map) words='data/scene/material*.c' ;;
     material | mtl) words='data/scene/material.c data/scene/mtl.c data/spectra/spectrum.c' ;;
     table | set | matrix) words='data/spectra' ;;
+    display) words=raster/beside/colour ;;
     mesh) words=data/mesh/obj.c ;;
     texture | png) words=data/images ;;
     record) words='data/stack/record.c data/stack/tags.c data/sampling/method.c' ;;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Fuzz targets: a material file, an MTL file, a table of a spectrum or a detector, a Donaldson
- * matrix. */
+ * matrix, a display. */
 #include <math.h>
 #include <string.h>
 
 #include "data/scene/inside.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
+#include "raster/beside/colour/colour.h"
 #include "test/fuzz/fuzz.h"
 
 static const struct place nowhere = {0};
@@ -111,4 +112,21 @@ void fuzz_matrix(const struct fuzz_input *input)
     spectrum_free(&emission);
     spectrum_free(&black);
     donaldson_free(&matrix);
+}
+
+void fuzz_display(const struct fuzz_input *input)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct display display;
+    if (!fuzz_ends(display_read(input->path, &display, &err), &err))
+        return;
+    for (int i = 0; i < 9; i++) {
+        const double largest = display_largest(&display, i % 3);
+        fuzz_holds(isfinite(display.matrix[i / 3][i % 3]), "the matrix is finite");
+        fuzz_holds(largest > 0 && isfinite(largest), "a channel has a range");
+        for (double part = 0; part <= 1; part += 0.125) {
+            const double value = display_encode(&display, i % 3, part * largest);
+            fuzz_holds(value >= 0 && value <= 1, "a value is from 0 to 1");
+        }
+    }
 }

@@ -1,6 +1,41 @@
 # SPDX-License-Identifier: MIT
-"""CIELAB and colour differences, for scripts that compute colours independently of the program."""
+"""CIELAB, colour differences and displays, for scripts that compute colours independently of the program."""
 import numpy as np
+
+# The thesis's monitor (equations 13 and 14): from XYZ of Y = 100 to linear values; linear = (gain x value)^gamma
+MONITOR = np.array([[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522], [0.000529, -0.001811, 0.00867]])
+MONITOR_GAIN, MONITOR_GAMMA = np.array([1.035, 1.053, 1.047]), np.array([1.534, 1.393, 1.435])
+
+
+class Display:
+    """A display by its numbers: XYZ of red, green and blue at full drive; gain, offset and gamma of the three. The last axis of
+    all values has three channels."""
+
+    def __init__(self, *rows):
+        self.rows = np.array(rows, float)
+        self.primaries, (self.gain, self.offset, self.gamma) = self.rows[:3], self.rows[3:]
+        self.largest = (self.gain + self.offset) ** self.gamma
+
+    def shown(self, values):
+        """XYZ of values from 0 to 1"""
+        return (self.gain * values + self.offset).clip(0) ** self.gamma / self.largest @ self.primaries
+
+    def linear(self, xyz):
+        return xyz @ np.linalg.inv(self.primaries) * self.largest
+
+    def values(self, linear):
+        """The least values that show linear ones: black is 0, also below a negative offset"""
+        return np.where(linear > 0, (linear.clip(0) ** (1 / self.gamma) - self.offset) / self.gain, 0).clip(0, 1)
+
+    def text(self):
+        """The file of the display"""
+        names = "red", "green", "blue", "gain", "offset", "gamma"
+        return "".join(",".join((name, *map(repr, row))) + "\n" for name, row in zip(names, self.rows.tolist()))
+
+
+OWN_DISPLAYS = {
+    "crt": Display((40.1, 20.9, 1.9), (35.2, 70.8, 11.6), (18.3, 7.4, 95.6), (0.96, 1.02, 1.1), (0.04, -0.03, 0), (2.35, 2.2, 1.8)),
+    "dim": Display((12.5, 6.1, 0.2), (11, 22.3, 3.5), (6.2, 2.4, 33.3), (1.2, 0.8, 1), (-0.2, 0.15, 0.05), (3, 1, 0.7))}
 
 
 def cielab(xyz, white):

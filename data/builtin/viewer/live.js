@@ -22,7 +22,7 @@ function show_whole(answer, of) {
   set_planes(answer.shape, answer.planes);
   linear = answer.linear;
   sources = {ambients: scene.ambients, lights: scene.lights};
-  refresh_detectors(answer.chosen);
+  refresh_eye_menus(answer.chosen);
   eye = eye_of(answer.chosen);
   white = white_of(sources);
   if (!gesture) camera = scene.camera;
@@ -352,18 +352,20 @@ function refresh(of) {
   element("builtin-scene").value = is_text(state) ? "" : state.scene;
 }
 
-/* Fills the menu of detectors where the description has others than before. */
-function refresh_detectors({detector}) {
-  const menu = element("detector");
-  if ([...menu.options].map(({text}) => text).join("\n") === scene.detectors.map(({name}) => name).join("\n")) return;
-  menu.replaceChildren();
-  fill_select(menu, scene.detectors.map(({name}) => name), detector);
+/* Fills the menus of detectors and displays where the description has others than before. */
+function refresh_eye_menus(chosen) {
+  for (const id of ["detector", "display"]) {
+    const menu = element(id), names = scene[id + "s"].map(({name}) => name);
+    if ([...menu.options].map(({text}) => text).join("\n") === names.join("\n")) continue;
+    menu.replaceChildren();
+    fill_select(menu, names, chosen[id]);
+  }
 }
 
 const eye_names = () => ({
   detector: element("detector").selectedOptions[0]?.text,
   adaptation: element("adaptation").selectedOptions[0]?.text || "none",
-  display: element("display").selectedOptions[0]?.text || "srgb",
+  display: element("display").selectedOptions[0]?.text,
   luminance: amount("luminance"), view: element("scene-view").value, band: Number(element("scene-band").value),
 });
 

@@ -370,11 +370,11 @@ function paint(sources, chosen, wanted_exposure) {
   return chosen.view === "map" ? {...picture, data: false_colours(eye.display, exposure)} : picture;
 }
 
-/* Returns the choice of an eye by the names of detector, adaptation and display. An unknown detector is the one that the
- * page was made with, or cie1931; other unknown names are the first ones. view: "detector", "band" (in grey) or "map" (a band in false colours). */
+/* Returns the choice of an eye by the names of detector, adaptation and display. An unknown detector or display
+ * is the one that the page was made with, or cie1931 and srgb; another adaptation is the first one. view: "detector", "band" (in grey) or "map" (a band in false colours). */
 function choice_of({detector, adaptation, display, luminance, view = "detector", band = 0}) {
   const number = (list, name) => Math.max(0, list.findIndex(one => one.name === name));
-  const is_known = scene.detectors.some(({name}) => name === detector);
-  return {detector: number(scene.detectors, is_known ? detector : scene.detector || "cie1931"), adaptation: number(scene.adaptations, adaptation),
-    display: number(scene.displays, display), luminance, view, band: Math.min(band, n_bands - 1)};
+  const known = (list, name, first) => number(list, list.some(one => one.name === name) ? name : first);
+  return {detector: known(scene.detectors, detector, scene.detector || "cie1931"), adaptation: number(scene.adaptations, adaptation),
+    display: known(scene.displays, display, scene.display || "srgb"), luminance, view, band: Math.min(band, n_bands - 1)};
 }

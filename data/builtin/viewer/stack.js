@@ -266,8 +266,9 @@ function show_stack_facts({outside}) {
     names.map((name, i) => `${name} ${percent(eye.detector.lost[i])}`).join(", ") + "." : "");
   set_text("white", white ? "White: the light that the stack records." : "The stack records no white.");
   show_controls();
-  const words = ["spectral develop", quoted(stack.facts.stack), "--detector", quoted(eye.detector.name), "--display", eye.display.name,
-    ...(eye.detector.observer ? ["--adaptation", eye.adaptation.name] : []), "--exposure", element("auto").checked ? "auto" : exposure];
+  const words = ["spectral develop", quoted(stack.facts.stack), "--detector", quoted(eye.detector.name),
+    "--display", quoted(eye.display.name), ...(eye.detector.observer ? ["--adaptation", eye.adaptation.name] : []),
+    "--exposure", element("auto").checked ? "auto" : exposure];
   set_text("commands", words.join(" "));
 }
 

@@ -156,7 +156,7 @@ function command_lines() {
     "--wavelengths", wavelengths_text()];
   const {view, band} = read_choice();
   const develop = ["spectral develop picture.tif", "--detector", quoted(eye.detector.name),
-    "--display", eye.display.name, "--exposure", element("auto").checked ? "auto" : exposure];
+    "--display", quoted(eye.display.name), "--exposure", element("auto").checked ? "auto" : exposure];
   sources.lights.forEach((light, i) => {
     if (changed("lights", i)) render.push("--light", quoted(`${i + 1}=${word_of(light)}`));
   });

@@ -71,8 +71,8 @@ struct display {
 };
 /* Reads srgb; monitor, that of the thesis (equations 13 and 14); or a file of six rows of three
  * numbers: X, Y, Z of red, green and blue at full drive, where 100 is the Y of a picture's white;
- * gain, offset and gamma of the three. The name must outlive *out. Refuses primaries in a plane, a
- * gain or gamma of 0 or less, and an offset that leaves no range. */
+ * gain, offset and gamma of the three. The name must outlive *out. Refuses primaries in a plane or
+ * that add up to no white; gain, gamma and gain + offset lie from 0.01 to 100. */
 bool display_is_known(const char *name); /* it is no file */
 bool display_read(const char *name, struct display *out, struct error *err);
 /* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips

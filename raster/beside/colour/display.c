@@ -43,20 +43,24 @@ bool display_store(const struct display *of, int bits, const double linear[3], v
 
 /* ---- profiles ---- */
 
-/* Writes numbers as ICC.1:2010, 4.6 (s15Fixed16Number): 16 bits and 16 behind the point. */
-static void put_fixed(const double *values, int n, unsigned char *out)
+/* Writes numbers as ICC.1:2010, 4.6 (s15Fixed16Number): 16 bits and 16 behind the point. Returns
+ * false if one has no place there. */
+static bool put_fixed(const double *values, int n, unsigned char *out)
 {
     for (int i = 0; i < n; i++) {
+        if (!(fabs(values[i]) < 32767))
+            return false;
         const int64_t fixed = (int64_t)floor(values[i] * 65536 + 0.5);
         for (int byte = 0; byte < 4; byte++)
             out[4 * i + byte] = (unsigned char)((uint64_t)fixed >> (24 - 8 * byte));
     }
+    return true;
 }
 
 /* Puts the display's numbers into the profile. Its tags are, in this order, a name, a copyright,
  * the white, the adaptation, three colorants, three curves. A curve is of function type 1, (a x +
- * b)^g, and ends at 1 (ICC.1:2010, 10.15). */
-static void put_numbers(struct display *of)
+ * b)^g, and ends at 1 (ICC.1:2010, 10.15). Returns false if the primaries add up to no white. */
+static bool put_numbers(struct display *of)
 {
     enum { TABLE = 132, ROW = 12, ADAPTATION_TAG = 3, COLORANT = 4, CURVE = 7 };
     static const double d50[3] = {0.9642, 1, 0.8249};
@@ -76,20 +80,21 @@ static void put_numbers(struct display *of)
     for (int i = 0; i < 9; i++)
         adapt[i / 3][i % 3] *= of_d50[i / 3] / of_white[i / 3];
     tristimulus_apply_all(back, 3, adapt[0]);
-    put_fixed(adapt[0], 9, tag[ADAPTATION_TAG] + 8);
-    for (int i = 0; i < 3; i++) {
+    bool done = y > 0 && put_fixed(adapt[0], 9, tag[ADAPTATION_TAG] + 8);
+    for (int i = 0; done && i < 3; i++) {
         const struct display_curve *curve = &of->curve[i];
         const double range = curve->gain + curve->offset;
         tristimulus_apply(adapt, of->primaries[i], colorant);
         for (int j = 0; j < 3; j++)
             colorant[j] /= y;
-        put_fixed(colorant, 3, tag[COLORANT + i] + 8);
-        put_fixed((double[]){curve->exponent, curve->gain / range, curve->offset / range}, 3,
-                  tag[CURVE + i] + 12);
+        done = of_white[i] > 0 && put_fixed(colorant, 3, tag[COLORANT + i] + 8) &&
+               put_fixed((double[]){curve->exponent, curve->gain / range, curve->offset / range}, 3,
+                         tag[CURVE + i] + 12);
     }
+    return done;
 }
 
-static void make_profile(struct display *of)
+static bool make_profile(struct display *of)
 {
     const struct builtin_file *file;
     struct error none = {.status = EXIT_AGREED}; /* built-in files do not fail */
@@ -98,8 +103,7 @@ static void make_profile(struct display *of)
               (struct place){NULL, 0, 0}, &descriptor, &file, &none);
     of->profile_length = file->length;
     memcpy(of->profile, file->bytes, file->length);
-    if (!of->is_srgb)
-        put_numbers(of);
+    return of->is_srgb || put_numbers(of);
 }
 
 /* ---- reading ---- */
@@ -130,13 +134,18 @@ static bool find_matrix(const char *path, struct display *of, struct error *err)
     return true;
 }
 
+/* No power of such numbers, and no number of the profile, becomes 0 or infinite. */
 static bool check_curve(const char *path, const struct display_curve *curve, struct error *err)
 {
-    return (curve->exponent > 0 && curve->gain > 0 && curve->gain + curve->offset > 0) ||
-           error_usage(err,
-                       "%s: gain and gamma are above 0, and so is gain + offset; found %g, %g "
-                       "and %g",
-                       path, curve->gain, curve->exponent, curve->gain + curve->offset);
+    const double least = 0.01, most = 100;
+    const double value[] = {curve->gain, curve->exponent, curve->gain + curve->offset};
+    for (int i = 0; i < 3; i++)
+        if (!(value[i] >= least && value[i] <= most))
+            return error_usage(err,
+                               "%s: gain, gamma and gain + offset lie from %g to %g; found %g, %g "
+                               "and %g",
+                               path, least, most, value[0], value[1], value[2]);
+    return true;
 }
 
 bool display_is_known(const char *name)
@@ -154,8 +163,7 @@ bool display_read(const char *name, struct display *out, struct error *err)
         tristimulus_to_srgb(out->matrix);
         for (int i = 0; i < 3; i++)
             out->curve[i] = srgb_curve;
-        make_profile(out);
-        return true;
+        return make_profile(out);
     }
     if (!display_is_known(name) && file_is_missing(name))
         return error_usage(err,
@@ -172,6 +180,8 @@ bool display_read(const char *name, struct display *out, struct error *err)
     }
     if (!find_matrix(path, out, err))
         return false;
-    make_profile(out);
-    return true;
+    return make_profile(out) ||
+           error_usage(err,
+                       "%s: its primaries add up to no white; expected X, Y, Z of red, green, blue",
+                       path);
 }

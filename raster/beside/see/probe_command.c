@@ -39,7 +39,8 @@ static bool region_read(const struct options *options, struct probe *out, struct
 bool stack_refuses_changes(const struct options *options, struct error *err)
 {
     for (int i = 0; i < options->n_recorded; i++)
-        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0)
+        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0 &&
+            strncmp(options->recorded[i], "--display=", strlen("--display=")) != 0)
             return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                                options->recorded[i]);
     return true;

@@ -175,7 +175,7 @@ extern const struct command compare_command;
 
 /* Prints the spectrum of a region of a stack or of a scene, as text, CSV or SVG. */
 extern const struct command probe_command;
-/* Refuses options that change a scene, but for its detector, beside a stack, the operand. */
+/* Refuses options that change a scene beside a stack, the operand, but for detector and display. */
 bool stack_refuses_changes(const struct options *options, struct error *err);
 
 #endif

@@ -340,7 +340,7 @@ void put_eyes(const struct cube *cube, bool is_stack, const struct options *opti
     json_open(json, "displays", '[');
     put_display("srgb", json, err);
     put_display("monitor", json, err);
-    if (display)
+    if (display && !display_is_known(display))
         put_display(display, json, err);
     json_close(json, ']');
 }

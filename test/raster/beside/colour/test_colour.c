@@ -123,11 +123,14 @@ static void check_chromaticity(void)
 static void check_clipped(void)
 {
     uint16_t words[3];
-    CHECK(!display_store(DISPLAY_SRGB, 16, (const double[]){-1e-9, 0.5, 1 + 1e-9}, words) &&
+    struct display srgb;
+    struct error err = {.status = EXIT_AGREED};
+    CHECK(display_read("srgb", &srgb, &err), "sRGB is known");
+    CHECK(!display_store(&srgb, 16, (const double[]){-1e-9, 0.5, 1 + 1e-9}, words) &&
               words[0] == 0 && words[1] == 48192 && words[2] == 65535,
           "what rounding leaves beyond black and white is not called clipped");
-    CHECK(display_store(DISPLAY_SRGB, 16, (const double[]){-1e-5, 0.5, 1}, words) &&
-              display_store(DISPLAY_SRGB, 16, (const double[]){0, 0.5, 1 + 1e-5}, words),
+    CHECK(display_store(&srgb, 16, (const double[]){-1e-5, 0.5, 1}, words) &&
+              display_store(&srgb, 16, (const double[]){0, 0.5, 1 + 1e-5}, words),
           "more than that is");
 }
 

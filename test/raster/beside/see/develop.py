@@ -13,7 +13,7 @@ import tifffile
 from osgeo import gdal
 from PIL import Image
 
-from colours import cielab, srgb
+from colours import MONITOR, MONITOR_GAIN, MONITOR_GAMMA, cielab, srgb
 from rendered import (CAMERAS, SPECTRAL, TMP, built_in, check, developed, done, output_of, pages_of, path_of, reference,
                       refuses, remove, response_of, run, weights, widths, write, write_stack)
 
@@ -26,7 +26,6 @@ CONES = {  # from XYZ
     "cat16": [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854],
               [-0.002079, 0.048952, 0.953127]]}
 CONES["fairchild"] = CONES["von-kries"]
-MONITOR = [[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522], [0.000529, -0.001811, 0.00867]]
 
 
 # ---- development with numpy ----
@@ -45,18 +44,18 @@ def adaptation(kind, white, equal, luminance):
 
 def display_matrix(display):
     if display == "monitor":
-        return np.array(MONITOR)
+        return MONITOR
     primaries = np.array([[0.64, 0.33, 0.03], [0.30, 0.60, 0.10], [0.15, 0.06, 0.79]]).T
     return np.linalg.inv(primaries * np.linalg.solve(primaries, D65))
 
 
 def largest(display):
-    return np.array([1.035**1.534, 1.053**1.393, 1.047**1.435]) if display == "monitor" else np.ones(3)
+    return MONITOR_GAIN ** MONITOR_GAMMA if display == "monitor" else np.ones(3)
 
 
 def encode(display, linear):
     if display == "monitor":
-        return np.minimum(linear.clip(0) ** (1 / np.array([1.534, 1.393, 1.435])) / [1.035, 1.053, 1.047], 1)
+        return np.minimum(linear.clip(0) ** (1 / MONITOR_GAMMA) / MONITOR_GAIN, 1)
     return srgb(linear)
 
 

@@ -17,7 +17,7 @@ from PIL import Image
 from osgeo import gdal
 
 from browser import Browser
-from colours import ciede2000
+from colours import OWN_DISPLAYS, ciede2000
 from rendered import LIVE, SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write, write_camera
 
 gdal.UseExceptions()
@@ -245,6 +245,43 @@ def stills():
     check(distance(pictures[0][0], expected) <= 1, "the PNG of view has several tiles")
     check(pictures[0][1] == pictures[1][1] == pictures[2][1], "1, 2 and 5 threads give the same PNG")
     subprocess.run(["pngcheck", "-q", path_of("still.png")], check=True)
+
+
+def own_display():
+    """A display by its numbers is in the menu of each page, which shows it first. Live pages have the file."""
+    path = write("my crt.csv", OWN_DISPLAYS["crt"].text())
+    stack, display = rendered("metamers"), f"--display={path}"
+    pictures = {name: developed(stack, f"--display={name}", "--exposure=0.8")[0] for name in (path, "srgb", "monitor")}
+    first, _ = developed(stack, display, "--exposure=auto")
+    for kind[:] in ([LIVE], [PROGRAM]):
+        for subject, words in (("metamers", ("--size", SIZE)), (stack, ())):
+            page, which = view(subject, "display", *words, display), f"{'still' if kind == [PROGRAM] else 'live'} page of {os.path.basename(subject)}"
+            packed = re.search('<img id="first"[^>]*src="data:image/png;base64,([^"]*)">', open(page).read())
+            if packed:
+                with Image.open(io.BytesIO(base64.b64decode(packed[1], validate=True))) as image:
+                    check(distance(np.asarray(image), first) <= 1, f"{which}: its first picture is on the display of one's own")
+            browser.open(page)
+            offered = browser.evaluate("[...element('display').options].map(({text}) => text)")
+            check(offered == ["srgb", "monitor", path] and browser.evaluate("eye.display.name") == path and browser.message() == "",
+                  f"{which}: the menu has the display of one's own, which is chosen", offered, browser.evaluate("eye.display.name"), browser.message())
+            browser.tick("auto", False)
+            browser.put("exposure", 0.8)
+            for name in (path, "srgb", "monitor"):
+                browser.choose("display", str(offered.index(name)))
+                seen = browser.pixels()
+                check(distance(seen, pictures[name]) <= 1 and np.mean(seen[:, :, :3] != pictures[name]) < 0.01,
+                      f"{which}: {os.path.basename(name)} shows develop's picture", distance(seen, pictures[name]))
+            browser.choose("display", "2")
+            check(f"--display '{path}' " in browser.text("commands"), f"{which}: its commands quote the display", browser.text("commands"))
+    kind[:] = [LIVE]
+    browser.open(view("metamers", "display", "--size", SIZE, display))
+    check(browser.evaluate("Object.keys(state.files)") == [path], "a live page has the file of the display")
+    browser.drop(os.path.abspath(write("plain.scene", "camera ortho 3\nsize 60 40\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m\n")))
+    browser.wait("state.scene === 'plain.scene' && element('display').options.length === 2")
+    check(browser.evaluate("eye.display.name") == "srgb" and browser.message() == "", "and forgets it with the scene", browser.message())
+    kind[:] = [PROGRAM]
+    browser.open(view("metamers", "display", "--size", SIZE, "--display=monitor"))
+    check(browser.evaluate("[eye.display.name, element('display').options.length]") == ["monitor", 2], "a page shows first the monitor that the program knows")
 
 
 def encoded(part):
@@ -697,6 +734,7 @@ def main():
         bands("still" if kind == [PROGRAM] else "live")
     first_pictures()
     stills()
+    own_display()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
     spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], {2: "uv*0.9", "ambient": "1*0.3"})
