@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The answer to what accuracy costs: the cheapest way for each error, the prices of the check, of
  * positions and of triangles, and the table of all. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/maths/maths.h"
 #include "raster/beside/cost/inside.h"
 
 const double wanted_errors[WANTED_ERRORS] = {2, 1, 0.5, 0.1};

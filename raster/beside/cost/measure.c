@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders the scene in each configuration, by running this program as a user's command line does,
  * and measures how far its stack is off. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
-#include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 
 /* Samplings that are tried, from few pages to many. A scene refuses some: spectral textures have no
  * components. */
