@@ -69,11 +69,9 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
 
 /* ---- objects ---- */
 
-/* An object as its statement describes it. Its material, or its material map, stays a word until
- * all materials are known. */
+/* An object as its statement describes it. */
 struct description {
     struct object object;
-    struct word material;
     struct place given[OBJECT_OPTIONS]; /* of the options that may be given only once */
     bool listed;                        /* a list gives the materials */
 };
@@ -86,8 +84,8 @@ static bool read_material(struct text *text, struct place place, bool map, struc
     if (map && out->object.shape.kind != SHAPE_MESH)
         return error_at(err, place, "only a mesh has several materials");
     return place_once(&out->given[OBJECT_MATERIAL], place, "material", err) &&
-           text_expect(text, &out->material, map ? "a material map" : "a material", err) &&
-           (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
+           text_expect(text, &out->object.named, map ? "a material map" : "a material", err) &&
+           (!map || word_file(&out->object.named, FILE_MAP, &out->object.material_map, err));
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
@@ -157,12 +155,9 @@ static bool add_object(struct scene_reader *reader, const struct description *de
     const struct object *from = &description->object;
     struct scene *scene = reader->scene;
     struct object object = *from;
-    int n_materials = scene->n_objects;
     object.shape.path = object.material_map = NULL;
     if (string_copy(from->shape.path, &object.shape.path, err) &&
         string_copy(from->material_map, &object.material_map, err) &&
-        array_add(&reader->materials, &n_materials, &description->material,
-                  sizeof description->material, err) &&
         array_add(&scene->objects, &scene->n_objects, &object, sizeof object, err))
         return true;
     object_free(&object);
