@@ -214,15 +214,9 @@ static bool is_disk(const struct shape *shape, int patch)
     return patch >= forms[shape->kind].n_patches;
 }
 
-/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
-static bool shape_is_flat(enum shape_kind kind)
-{
-    return kind == SHAPE_BOX || kind == SHAPE_PLANE || kind == SHAPE_DISK;
-}
-
 bool patch_is_flat(const struct shape *shape, int patch)
 {
-    return shape_is_flat(shape->kind) || is_disk(shape, patch);
+    return shape->kind == SHAPE_BOX || shape->kind == SHAPE_PLANE || is_disk(shape, patch);
 }
 
 /* Returns x in [0, cells], moved by whole turns. */

@@ -4,21 +4,13 @@
  * share it. */
 #include "raster/plan/inside.h"
 
-/* A mesh as its shape describes it, before it is parted and moved. */
-struct whole {
-    struct shape shape; /* tessellated; its names are the scene's */
-    struct mesh mesh;
-    struct vector centre;
-    double unit;        /* as in plan_mesh */
-    struct index parts; /* the parts of the mesh by name, once a material map has asked */
-};
 /* The part of a whole that is shown, -1: all; on which side of x = 0, -1: both. */
 struct cutting {
     int whole, part, side;
 };
 struct instance_maker {
     struct plan *plan;
-    struct whole *wholes;
+    struct plan_mesh *wholes; /* as their shapes describe them, before they are parted and moved */
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
     struct index places;           /* instances by mesh and place */
@@ -65,7 +57,7 @@ static char *shape_key(const struct shape *shape, bool repeated, size_t *length,
 
 /* Fills in the centre of the mesh's box, and the power of two next to the largest distance from it
  * along an axis. */
-static void find_centre(struct whole *whole)
+static void find_centre(struct plan_mesh *whole)
 {
     struct vector low, high;
     int exponent;
@@ -80,7 +72,7 @@ static void find_centre(struct whole *whole)
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
                       struct error *err)
 {
-    struct whole whole = {.shape = *shape};
+    struct plan_mesh whole = {.shape = *shape, .solid = shape_is_solid(shape->kind)};
     bool done = shape_build(shape, &whole.mesh, err);
     for (int i = maker->plan->options.halvings; done && shape->kind == SHAPE_MESH && i > 0; i--)
         done = mesh_halve(&whole.mesh, err);
@@ -124,15 +116,12 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
                      struct error *err)
 {
     struct plan *plan = maker->plan;
-    const struct whole *whole = &maker->wholes[cutting.whole];
-    struct plan_mesh added = {.mesh = *mesh,
-                              .solid = cutting.side < 0 && shape_is_solid(whole->shape.kind),
-                              .shape = whole->shape,
-                              .centre = whole->centre,
-                              .unit = whole->unit};
+    struct plan_mesh added = maker->wholes[cutting.whole];
+    added.mesh = *mesh;
+    added.solid = added.solid && cutting.side < 0;
     for (int i = 0; i < mesh->n_vertices; i++)
-        mesh->vertices[i].position = vector_scale(
-            vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
+        mesh->vertices[i].position =
+            vector_scale(vector_subtract(mesh->vertices[i].position, added.centre), 1 / added.unit);
     if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
@@ -258,40 +247,39 @@ static bool add_halves(struct instance_maker *maker, const struct object *object
 
 /* ---- several materials on one mesh ---- */
 
-static const char *part_name(const struct mesh *mesh, int part)
-{
-    return mesh->part_names ? mesh->part_names[part] : "";
-}
-
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
  * the mesh does not have is a mistake. */
-static bool find_uses(const struct object *object, struct whole *whole,
+static bool find_uses(const struct object *object, const struct mesh *mesh,
                       const struct material_assignment **use, struct error *err)
 {
-    const int n_parts = whole->mesh.n_parts;
     const struct material_assignment *others = NULL;
-    for (int i = 0; i < object->n_assignments; i++) {
+    struct index parts = {0};
+    bool done = true;
+    for (int part = 0; done && part < mesh->n_parts; part++)
+        done = index_add(&parts, mesh->part_names[part], strlen(mesh->part_names[part]), part, err);
+    for (int i = 0; done && i < object->n_assignments; i++) {
         const struct material_assignment *line = &object->assignments[i];
-        const int part = index_find(&whole->parts, line->name, strlen(line->name));
+        const int part = index_find(&parts, line->name, strlen(line->name));
         const bool star = strcmp(line->name, "*") == 0;
         if (star)
             others = line;
         if (part >= 0)
             use[part] = line;
         else if (!star && object->material_map)
-            return error_at(err, line->place, "no face of %.300s has usemtl '%.100s'",
+            done = error_at(err, line->place, "no face of %.300s has usemtl '%.100s'",
                             object->shape.path, line->name);
     }
-    for (int part = 0; part < n_parts; part++)
+    index_free(&parts);
+    for (int part = 0; part < mesh->n_parts; part++)
         use[part] = use[part] ? use[part] : others;
-    return true;
+    return done;
 }
 
 static bool add_part(struct instance_maker *maker, const struct object *object,
                      struct cutting cutting, const struct material_assignment *use,
                      struct error *err)
 {
-    const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
+    const char *name = maker->wholes[cutting.whole].mesh.part_names[cutting.part];
     if (!use)
         return error_at(err, object->place,
                         "%s%.100s of %.300s has no %s %.300s; in a material map a line for * "
@@ -305,15 +293,11 @@ static bool add_part(struct instance_maker *maker, const struct object *object,
 static bool add_parts(struct instance_maker *maker, const struct object *object, int whole,
                       struct error *err)
 {
-    struct whole *of = &maker->wholes[whole];
-    const int n_parts = of->mesh.n_parts;
+    const struct mesh *mesh = &maker->wholes[whole].mesh;
+    const int n_parts = mesh->n_parts;
     const struct material_assignment **use;
-    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts);
-    for (int part = (int)of->parts.n_keys; part < n_parts && done; part++) {
-        const char *name = part_name(&of->mesh, part);
-        done = index_add(&of->parts, name, strlen(name), part, err);
-    }
-    done = done && find_uses(object, of, use, err);
+    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts) &&
+                find_uses(object, mesh, use, err);
     for (int part = 0; done && part < n_parts; part++)
         done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
     free(use);
@@ -360,10 +344,8 @@ bool instances_make(struct plan *plan, struct error *err)
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
-    for (int i = 0; i < maker.n_wholes; i++) {
+    for (int i = 0; i < maker.n_wholes; i++)
         mesh_free(&maker.wholes[i].mesh);
-        index_free(&maker.wholes[i].parts);
-    }
     free(maker.wholes);
     index_free(&maker.shapes);
     index_free(&maker.cuttings);
