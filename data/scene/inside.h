@@ -86,8 +86,6 @@ bool light_read(struct scene_reader *reader, struct error *err);
 /* Adds a material to the scene, or frees it where that fails, or where it is not good. */
 bool material_keep(struct scene *scene, struct material *material, bool good, struct error *err);
 bool definition_read(struct scene_reader *reader, struct error *err);
-/* Adds the material of a file that a list names, unless it is there already; *out is its index. */
-bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
 void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */

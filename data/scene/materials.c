@@ -62,26 +62,6 @@ bool definition_read(struct scene_reader *reader, struct error *err)
     return material_keep(scene, &material, good, err);
 }
 
-/* ---- files in a list ---- */
-
-/* A listed material has no name until it is read. A file that is listed twice is one material. */
-bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err)
-{
-    struct material material = {.place = word->place};
-    struct scene *scene = reader->scene;
-    if (!word_file_or_here(word, FILE_MATERIAL, &material.path, err))
-        return false;
-    const size_t length = strlen(material.path);
-    *out = index_find(&reader->listed, material.path, length);
-    if (*out >= 0) {
-        material_free(&material);
-        return true;
-    }
-    *out = scene->n_materials;
-    return material_keep(scene, &material,
-                         index_add(&reader->listed, material.path, length, *out, err), err);
-}
-
 /* ---- materials that are used ---- */
 
 /* Proposes the materials that a statement defines by their names. A file in a list has no name yet;
