@@ -309,10 +309,9 @@ static void add_disk(struct mesh *mesh, const struct patches *patches, int patch
     const int centre = mesh->n_vertices;
     add_vertex(mesh, patches, patch, 0, 0);
     const bool up = mesh->vertices[centre].normal.z > 0;
-    for (int ring = 1; ring <= rings; ring++)
+    for (int ring = 1; ring <= rings; ring++) {
         for (int i = 0; i < slices; i++)
             add_vertex(mesh, patches, patch, i, ring);
-    for (int ring = 1; ring <= rings; ring++)
         for (int i = 0; i < slices; i++) {
             const int outer = centre + 1 + (ring - 1) * slices, inner = outer - slices;
             const int from = up ? i : (i + 1) % slices, to = up ? (i + 1) % slices : i;
@@ -320,6 +319,7 @@ static void add_disk(struct mesh *mesh, const struct patches *patches, int patch
             if (ring > 1)
                 add_triangle(mesh, inner + from, outer + to, inner + to);
         }
+    }
 }
 
 static bool add_all(struct mesh *mesh, const struct patches *patches, struct error *err)
