@@ -34,25 +34,21 @@ static bool repeats(const struct scene *scene, const struct object *object)
     return textured && (object->shape.kind == SHAPE_MESH || repeat[0] != 1 || repeat[1] != 1);
 }
 
-/* Returns the key of a shape, allocated, and its length: shapes of one key have one mesh. NULL: no
- * memory. */
-static char *shape_key(const struct shape *shape, bool repeated, size_t *length, struct error *err)
+/* Prints the key of a shape: shapes of one key have one mesh. */
+static void print_key(const struct shape *shape, bool repeated, struct printed *key)
 {
     const bool is_mesh = shape->kind == SHAPE_MESH;
     const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, repeated};
     const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
-    struct printed key = {.text = NULL};
-    print_bytes(&key, words, sizeof words);
+    print_bytes(key, words, sizeof words);
     if (repeated)
-        print_bytes(&key, shape->repeat, sizeof shape->repeat);
+        print_bytes(key, shape->repeat, sizeof shape->repeat);
     if (is_mesh) {
-        print_bytes(&key, &crease_deg, sizeof crease_deg);
-        print_text(&key, shape->path);
+        print_bytes(key, &crease_deg, sizeof crease_deg);
+        print_text(key, shape->path);
     } else {
-        print_bytes(&key, shape->parameter, sizeof shape->parameter);
+        print_bytes(key, shape->parameter, sizeof shape->parameter);
     }
-    *length = key.length;
-    return printed_take(&key, err);
 }
 
 /* Fills in the centre of the mesh's box, and the power of two next to the largest distance from it
@@ -96,8 +92,10 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
     const struct shape shape = shape_tessellated(
         &object->shape, ldexp(scene->tessellation, maker->plan->options.halvings));
     const bool repeated = repeats(scene, object);
-    size_t length;
-    char *key = shape_key(&shape, repeated, &length, err);
+    struct printed printed = {.text = NULL};
+    print_key(&shape, repeated, &printed);
+    const size_t length = printed.length;
+    char *key = printed_take(&printed, err);
     if (!key)
         return -1;
     int found = index_find(&maker->shapes, key, length);
@@ -110,7 +108,7 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
 
 /* ---- meshes as they are drawn ---- */
 
-/* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
+/* Adds a mesh to the plan, which takes it over: *mesh is empty then. Moves it by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
 static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
                      struct error *err)
@@ -122,11 +120,11 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position =
             vector_scale(vector_subtract(mesh->vertices[i].position, added.centre), 1 / added.unit);
-    if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
-        array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
-        return true;
-    mesh_free(mesh);
-    return false;
+    if (!index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) ||
+        !array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
+        return false;
+    *mesh = (struct mesh){.n_vertices = 0};
+    return true;
 }
 
 static bool add_sides(struct instance_maker *maker, struct cutting cutting, const struct mesh *part,
@@ -134,12 +132,9 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 {
     struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
     bool done = mesh_cut(part, &halves, err);
-    for (cutting.side = 0; done && cutting.side < 2; cutting.side++) {
-        done = mesh_part(&halves, cutting.side, &half, err);
-        if (!done)
-            mesh_free(&half);
-        done = done && add_mesh(maker, cutting, &half, err);
-    }
+    for (cutting.side = 0; done && cutting.side < 2; cutting.side++)
+        done = mesh_part(&halves, cutting.side, &half, err) && add_mesh(maker, cutting, &half, err);
+    mesh_free(&half);
     mesh_free(&halves);
     return done;
 }
@@ -148,10 +143,9 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
     struct mesh part;
-    bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err);
-    if (done && cutting.side < 0)
-        return add_mesh(maker, cutting, &part, err);
-    done = done && add_sides(maker, cutting, &part, err);
+    const bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err) &&
+                      (cutting.side < 0 ? add_mesh(maker, cutting, &part, err)
+                                        : add_sides(maker, cutting, &part, err));
     mesh_free(&part);
     return done;
 }
@@ -238,11 +232,10 @@ static bool add_halves(struct instance_maker *maker, const struct object *object
     const struct material *partner = scene_partner(maker->plan->scene, material);
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
-    cutting.side = 0;
-    struct cutting other = cutting;
-    other.side = 1;
-    return add_instance(maker, object, cutting, material, err) &&
-           add_instance(maker, object, other, partner, err);
+    const struct cutting left = {cutting.whole, cutting.part, 0},
+                         right = {cutting.whole, cutting.part, 1};
+    return add_instance(maker, object, left, material, err) &&
+           add_instance(maker, object, right, partner, err);
 }
 
 /* ---- several materials on one mesh ---- */
