@@ -12,8 +12,8 @@ pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
 instances=raster/plan/instances.c
-hollow='s/[.]solid = cutting.*,/.solid = true,/'
-whole='s/[.]solid = cutting.*,/.solid = false,/'
+hollow='s/added[.]solid = .*;/added.solid = true;/'
+whole='s/added[.]solid = .*;/added.solid = false;/'
 moved='s/factor \* vector_dot(row_of(&of, 0), v)/& + atof(getenv("MOVED"))/'
 detail='s/#include <math.h>/&\n#include <stdlib.h>/; s/rule->lower/(rule->lower != (getenv("CORNER") != NULL))/g
     s/rule->largest/(rule->largest != (getenv("NORM") != NULL))/; s/rule->logarithm == LOGARITHM_LINEAR/& \&\& !getenv("EXACT")/'

@@ -294,12 +294,11 @@ static bool add_face(struct builder *b, const struct obj_face *face, struct mesh
     return true;
 }
 
-/* Makes parts of the mesh, which takes the names over; unless no face has a name. */
+/* Makes parts of the mesh, which takes the names over. If no face has a name, all are part 0. */
 static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struct error *err)
 {
-    if (obj->n_names == 1 && obj->names[0][0] == '\0')
-        return true;
-    if (!MAKE_ARRAY(mesh->part, n_triangles, err, "the parts of a mesh"))
+    if ((obj->n_names > 1 || obj->names[0][0] != '\0') &&
+        !MAKE_ARRAY(mesh->part, n_triangles, err, "the parts of a mesh"))
         return false;
     mesh->part_names = obj->names;
     mesh->n_parts = obj->n_names;

@@ -20,7 +20,7 @@ struct mesh {
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
     int32_t *part;      /* of each triangle; NULL: all are part 0 */
-    char **part_names;  /* the usemtl of each part, "" before the first one; NULL: no names */
+    char **part_names;  /* of a file: the usemtl of each part, "" before the first one */
     int n_parts;        /* at least 1 */
     struct place place; /* that names its shape; for messages */
     /* Once mesh_part has asked, the triangles of part p: triangles[first[p]] up to before

@@ -181,27 +181,19 @@ static struct vector crease_average(const struct meeting *meeting, int i)
 
 /* ---- the normals of a point ---- */
 
-/* The normals of a point are those in the list from `first` on. */
-struct point_normals {
-    struct obj_list *list;
-    int first;
-    bool many;           /* the index finds them */
-    struct index places; /* of the normals in the list */
-};
-
-/* Finds the normal in the list, or adds it: equal normals are stored once. */
-static bool store_normal(struct point_normals *normals, struct vector normal, int32_t *out,
-                         struct error *err)
+/* Finds the normal among those of the point, in the list from `first` on, or adds it: equal normals
+ * are stored once. places: finds many of them; NULL: they are few. */
+static bool store_normal(struct obj_list *list, int first, struct index *places,
+                         struct vector normal, int32_t *out, struct error *err)
 {
-    struct obj_list *list = normals->list;
     const struct vector key = vector_add(normal, (struct vector){0, 0, 0}); /* -0 becomes 0 */
-    *out = normals->many ? index_find(&normals->places, &key, sizeof key) : normals->first;
-    while (!normals->many && *out < list->n && !same_place(list->at[*out], normal))
+    *out = places ? index_find(places, &key, sizeof key) : first;
+    while (!places && *out < list->n && !same_place(list->at[*out], normal))
         ++*out;
     if (*out >= 0 && *out < list->n)
         return true;
     *out = list->n;
-    return (!normals->many || index_add(&normals->places, &key, sizeof key, *out, err)) &&
+    return (!places || index_add(places, &key, sizeof key, *out, err)) &&
            array_add(&list->at, &list->n, &normal, sizeof normal, err);
 }
 
@@ -209,23 +201,25 @@ static bool store_normal(struct point_normals *normals, struct vector normal, in
 static bool fill_point(struct obj *obj, struct meeting *meeting, struct error *err)
 {
     struct obj_list *list = &obj->list[OBJ_NORMAL];
-    struct point_normals normals = {.list = list, .first = list->n, .many = meeting->n >= CROWD};
+    const bool many = meeting->n >= CROWD;
+    const int first = list->n;
+    struct index places = {0};
     struct crowd crowd = {.sorted = NULL};
     bool smooth;
     struct vector average = whole_average(meeting, &smooth);
     if (vector_dot(average, average) == 0)
         average.z = 1;
-    meeting->crowd = !smooth && normals.many ? &crowd : NULL;
+    meeting->crowd = !smooth && many ? &crowd : NULL;
     bool done = !meeting->crowd || crowd_make(meeting, &crowd, err);
     for (int i = 0; done && i < meeting->n; i++) {
         struct obj_corner *corner = &obj->corners[meeting->at[i]];
         if (corner->index[OBJ_NORMAL] < 0)
-            done = store_normal(&normals,
+            done = store_normal(list, first, many ? &places : NULL,
                                 smooth || corner->angle == 0 ? average : crease_average(meeting, i),
                                 &corner->index[OBJ_NORMAL], err);
     }
     FREE_ALL(crowd.sorted, crowd.nodes);
-    index_free(&normals.places);
+    index_free(&places);
     return done;
 }
 

@@ -124,24 +124,21 @@ static bool read_corner(const struct word *word, struct obj *obj, struct obj_cor
 static bool read_face(struct text *text, struct obj *obj, struct error *err)
 {
     const int first = obj->n_corners;
-    struct obj_corner corner, form = {.face = 0};
+    struct obj_corner corner;
     struct word word, opening = {0};
     int n = 0;
     for (; next_word(text, &word); n++) {
-        if (!read_corner(&word, obj, &corner, err))
+        if (!read_corner(&word, obj, &corner, err) ||
+            !array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
             return false;
-        if (n == 0) {
-            form = corner;
+        if (n == 0)
             opening = word;
-        }
         for (int i = OBJ_TEXTURE; i <= OBJ_NORMAL; i++)
-            if ((corner.index[i] < 0) != (form.index[i] < 0))
+            if ((corner.index[i] < 0) != (obj->corners[first].index[i] < 0))
                 return error_at(
                     err, word.place,
                     "expected a corner with the same indices as the first one, %.*s; found %.*s",
                     (int)opening.length, opening.start, (int)word.length, word.start);
-        if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
-            return false;
     }
     if (n == 0)
         return error_at(err, text_place(text), "expected a corner: a face has at least 3");

@@ -214,15 +214,9 @@ static bool is_disk(const struct shape *shape, int patch)
     return patch >= forms[shape->kind].n_patches;
 }
 
-/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
-static bool shape_is_flat(enum shape_kind kind)
-{
-    return kind == SHAPE_BOX || kind == SHAPE_PLANE || kind == SHAPE_DISK;
-}
-
 bool patch_is_flat(const struct shape *shape, int patch)
 {
-    return shape_is_flat(shape->kind) || is_disk(shape, patch);
+    return shape->kind == SHAPE_BOX || shape->kind == SHAPE_PLANE || is_disk(shape, patch);
 }
 
 /* Returns x in [0, cells], moved by whole turns. */
@@ -315,10 +309,9 @@ static void add_disk(struct mesh *mesh, const struct patches *patches, int patch
     const int centre = mesh->n_vertices;
     add_vertex(mesh, patches, patch, 0, 0);
     const bool up = mesh->vertices[centre].normal.z > 0;
-    for (int ring = 1; ring <= rings; ring++)
+    for (int ring = 1; ring <= rings; ring++) {
         for (int i = 0; i < slices; i++)
             add_vertex(mesh, patches, patch, i, ring);
-    for (int ring = 1; ring <= rings; ring++)
         for (int i = 0; i < slices; i++) {
             const int outer = centre + 1 + (ring - 1) * slices, inner = outer - slices;
             const int from = up ? i : (i + 1) % slices, to = up ? (i + 1) % slices : i;
@@ -326,6 +319,7 @@ static void add_disk(struct mesh *mesh, const struct patches *patches, int patch
             if (ring > 1)
                 add_triangle(mesh, inner + from, outer + to, inner + to);
         }
+    }
 }
 
 static bool add_all(struct mesh *mesh, const struct patches *patches, struct error *err)

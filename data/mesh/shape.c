@@ -127,11 +127,10 @@ bool shape_read(struct text *text, struct shape *out, struct error *err)
 {
     const char *words[N_SHAPES + 1] = {NULL};
     struct word word;
-    int kind;
     *out = (struct shape){.crease_deg = 90, .repeat = {1, 1}, .place = text_next_place(*text)};
     for (int i = 0; i < N_SHAPES; i++)
         words[i] = forms[i].word;
-    kind = text_choose(text, "a shape", words, "shape", err);
+    const int kind = text_choose(text, "a shape", words, "shape", err);
     if (kind < 0)
         return false;
     out->kind = (enum shape_kind)kind;

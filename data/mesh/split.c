@@ -152,25 +152,6 @@ static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_
         add_side(mesh, 1, corner[1], n[1]);
 }
 
-/* A triangle becomes at most 3, with 2 new vertices. */
-bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
-{
-    const size_t n = (size_t)from->n_triangles;
-    int64_t *edges = NULL;
-    *out = (struct mesh){.parametric = from->parametric};
-    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err) ||
-        !MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
-        !MAKE_ARRAY(edges, 2 * n, err, "the edges of a cut mesh"))
-        return false;
-    out->n_parts = 2;
-    copy_vertices(from, out);
-    const int n_edges = add_vertices(out, from, true, edges);
-    for (int i = 0; i < from->n_triangles; i++)
-        cut_triangle(from->triangles[i], edges, n_edges, out);
-    free(edges);
-    return mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
-}
-
 /* ---- halving edges ---- */
 
 /* Adds the four quarters of a triangle. The last n_edges vertices of the mesh are the new ones. */
@@ -185,6 +166,34 @@ static void add_quarters(const int32_t corner[3], const int64_t *edges, int n_ed
         memcpy(mesh->triangles[mesh->n_triangles++], quarter, sizeof quarter);
     }
     memcpy(mesh->triangles[mesh->n_triangles++], middle, sizeof middle);
+}
+
+/* ---- all triangles of a mesh ---- */
+
+/* Divides each triangle of *from: at x = 0, into at most 3, with 2 new vertices; or, without
+ * `cutting`, into 4, with 3. *out has no vertices yet. */
+static bool divide_edges(const struct mesh *from, bool cutting, struct mesh *out, struct error *err)
+{
+    const size_t n = (size_t)from->n_triangles, more = cutting ? 2 : 3;
+    int64_t *edges;
+    bool done = MAKE_ARRAY(edges, more * n, err, "the edges of a mesh") &&
+                mesh_reserve(out, (size_t)from->n_vertices + more * n, (more + 1) * n, err);
+    if (done) {
+        copy_vertices(from, out);
+        const int n_edges = add_vertices(out, from, cutting, edges);
+        for (int i = 0; i < from->n_triangles; i++)
+            (cutting ? cut_triangle : add_quarters)(from->triangles[i], edges, n_edges, out);
+        done = mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
+    }
+    free(edges);
+    return done;
+}
+
+bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
+{
+    *out = (struct mesh){.parametric = from->parametric, .n_parts = 2};
+    return MAKE_ARRAY(out->part, 3 * (size_t)from->n_triangles, err, "the parts of a cut mesh") &&
+           divide_edges(from, true, out, err);
 }
 
 /* Takes over the names of the parts. The four quarters of a triangle belong to its part. */
@@ -204,19 +213,9 @@ static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
 
 bool mesh_halve(struct mesh *mesh, struct error *err)
 {
-    const size_t n = (size_t)mesh->n_triangles;
     struct mesh finer = {.place = mesh->place, .parametric = mesh->parametric};
-    int64_t *edges;
-    bool done = MAKE_ARRAY(edges, 3 * n, err, "the edges of a mesh") &&
-                mesh_begin(&finer, (size_t)mesh->n_vertices + 3 * n, 4 * n, err);
-    if (done) {
-        copy_vertices(mesh, &finer);
-        const int n_edges = add_vertices(&finer, mesh, false, edges);
-        for (int i = 0; i < mesh->n_triangles; i++)
-            add_quarters(mesh->triangles[i], edges, n_edges, &finer);
-        done = mesh_reserve(&finer, 0, 0, err) && take_parts(mesh, &finer, err);
-    }
-    free(edges);
+    const bool done = mesh_begin(&finer, 0, 4 * (size_t)mesh->n_triangles, err) &&
+                      divide_edges(mesh, false, &finer, err) && take_parts(mesh, &finer, err);
     mesh_free(mesh);
     *mesh = finer;
     return done;

@@ -133,17 +133,16 @@ static void find_scales(struct adaptive *a)
 
 /* ---- the fewest nodes ---- */
 
+/* Weighs the nodes of a segment that has no weights yet. */
 static void weigh_nodes(const struct adaptive *a, struct segment *s)
 {
     const struct fine_detector *fine = &a->sampling->fine;
-    for (int i = 0; i < s->n; i++) {
-        s->weight[0][i] = s->weight[1][i] = s->weight[2][i] = 0;
+    for (int i = 0; i < s->n; i++)
         for (int j = s->from; j < s->to; j++) {
             const double part = quadrature_lagrange(s->nm, s->n, i, fine->nm[j]);
             for (int channel = 0; channel < 3; channel++)
                 s->weight[channel][i] += part * fine->weights[channel * fine->n + j];
         }
-    }
 }
 
 /* Places nodes at the cells nearest to Legendre's. Returns false if two would be the same. */

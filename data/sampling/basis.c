@@ -240,13 +240,11 @@ static void set_weights(struct sampling *out)
 {
     const int n = out->pages.n, n_nm = out->fine.n;
     for (int channel = 0; channel < 3; channel++)
-        for (int page = 0; page < n; page++) {
-            double sum = 0;
+        for (int page = 0; page < n; page++)
             for (int j = 0; j < n_nm; j++)
-                sum += out->fine.weights[channel * n_nm + j] *
-                       out->synthesis[(size_t)j * (size_t)n + (size_t)page];
-            out->weights[channel * n + page] = sum;
-        }
+                out->weights[channel * n + page] +=
+                    out->fine.weights[channel * n_nm + j] *
+                    out->synthesis[(size_t)j * (size_t)n + (size_t)page];
 }
 
 /* A black scene has one page of zeros. */

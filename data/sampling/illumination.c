@@ -6,12 +6,10 @@
 
 bool spectrum_is_zero(const struct spectrum *spectrum)
 {
-    bool zero = spectrum->kind == SPECTRUM_CONSTANT && spectrum->parameter[0] == 0;
-    if (spectrum->kind == SPECTRUM_SAMPLED) {
-        zero = true;
-        for (int i = 0; i < spectrum->count; i++)
-            zero = zero && spectrum->value[i] == 0;
-    }
+    bool zero = spectrum->kind == SPECTRUM_SAMPLED ||
+                (spectrum->kind == SPECTRUM_CONSTANT && spectrum->parameter[0] == 0);
+    for (int i = 0; i < spectrum->count; i++)
+        zero = zero && spectrum->value[i] == 0;
     return zero || spectrum->factor == 0;
 }
 
@@ -52,15 +50,6 @@ static int find_first(const struct illumination *of, int index)
     return index;
 }
 
-static void add_light(struct illumination *to, const struct light *light)
-{
-    const int index = to->n_lights++;
-    to->lights[index] = (struct shining_light){.light = light, .share = 1};
-    to->lights[index].first = find_first(to, index);
-    to->lights[to->lights[index].first].n_alike++;
-    to->n_first += to->lights[index].first == index;
-}
-
 bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
                        bool exchangeable, struct illumination *out, struct error *err)
 {
@@ -69,8 +58,13 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
     const bool done = MAKE_ARRAY(out->lights, n, err, "%zu lights", n);
     for (int i = 0; done && i < scene->n_lights; i++) {
         const struct light *light = &scene->lights[i];
-        if (exchangeable || (light->intensity != 0 && !spectrum_is_zero(&light->spectrum)))
-            add_light(out, light);
+        if (!exchangeable && (light->intensity == 0 || spectrum_is_zero(&light->spectrum)))
+            continue;
+        const int index = out->n_lights++;
+        out->lights[index] = (struct shining_light){.light = light, .share = 1};
+        const int first = out->lights[index].first = find_first(out, index);
+        out->lights[first].n_alike++;
+        out->n_first += first == index;
     }
     return done;
 }

@@ -47,32 +47,22 @@ double sampling_seen(const struct sampling *sampling, int j)
 
 /* ---- between wavelengths ---- */
 
-/* Finds the wavelength before nm, of n >= 1 increasing ones. *part: how far nm lies towards the
- * next, 0 to 1; 0 if there is no next. Beyond the ends the end's wavelength stands for nm. */
-static int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
-{
-    *part = 0;
-    if (n < 2)
-        return 0;
-    const int below = samples_up_to(wavelength_nm, n, nm) - 1;
-    const int before = below < 0 ? 0 : below < n - 2 ? below : n - 2;
-    const double step = wavelength_nm[before + 1] - wavelength_nm[before];
-    *part = fmax(0, fmin((nm - wavelength_nm[before]) / step, 1));
-    return before;
-}
-
 /* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
  * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
 static double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
                                 struct error *err)
 {
-    double *out = sampling_numbers((size_t)n * (size_t)n_nm, err), part;
+    double *out = sampling_numbers((size_t)n * (size_t)n_nm, err);
     for (int j = 0; out && j < n_nm; j++) {
         double *row = out + (size_t)j * (size_t)n;
-        const int before = wavelength_before(wavelength_nm, n, first_nm + j, &part);
-        row[before] = 1 - part;
-        if (part > 0)
-            row[before + 1] = part;
+        const int after = samples_up_to(wavelength_nm, n, first_nm + j), before = after - 1;
+        if (before < 0 || after == n) {
+            row[before < 0 ? 0 : before] = 1;
+            continue;
+        }
+        row[after] =
+            (first_nm + j - wavelength_nm[before]) / (wavelength_nm[after] - wavelength_nm[before]);
+        row[before] = 1 - row[after];
     }
     return out;
 }
@@ -90,15 +80,12 @@ static bool sees(const struct detector *detector, double nm)
 /* No detector sees as far as this, but a file may claim any segment. */
 enum { MOST_CELLS = 1000000 };
 
-/* Finds the weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i].
- * Cells are weighed one by one, which needs no memory. */
+/* Finds the weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i],
+ * which is 0 before. Cells are weighed one by one, which needs no memory. */
 static void weigh_segment(const struct detector *detector, const double *nm,
                           const double segment[2], int pages, int n, double *out)
 {
     const int cells = (int)fmax(0, fmin(floor(segment[1] - segment[0] + 0.5), MOST_CELLS));
-    for (int i = 0; i < pages; i++)
-        for (int channel = 0; channel < detector->n; channel++)
-            out[channel * n + i] = 0;
     for (int j = 0; j < cells; j++) {
         const double x = segment[0] + 0.5 + j;
         double cell[MOST_CHANNELS];

@@ -179,8 +179,9 @@ struct sampling {
  * makes NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
-/* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
- * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
+/* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i],
+ * zeroed before, = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights
+ * scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
 /* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */

@@ -176,16 +176,6 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
     return true;
 }
 
-static bool allocate(struct terms_maker *maker, struct error *err)
-{
-    const struct spectral_pages *pages = &maker->illumination->pages;
-    struct material_terms *out = maker->out;
-    size_t most = 1 + 2 * (size_t)maker->illumination->n_first;
-    return MAKE_ARRAY(out->terms, most, err, "the terms of a material") &&
-           MAKE_ARRAY(out->spectra, most * (size_t)pages->n, err, "the terms of a material") &&
-           MAKE_ARRAY(maker->row, (size_t)product_length(pages), err, "the terms of a material");
-}
-
 /* Refuses a reflectance whose table has no value in the range that the pages stand for: its end
  * value would be the whole picture. The first and last wavelength stand for half a step more. */
 static bool check_range(const struct spectral_pages *pages, const struct spectrum *table,
@@ -212,10 +202,15 @@ bool material_terms_make(const struct illumination *illumination, const struct m
     struct terms_maker maker = {.illumination = illumination,
                                 .out = out,
                                 .luminescence = luminescence_of(&illumination->pages, material)};
+    const struct spectral_pages *pages = &illumination->pages;
+    const size_t most = 1 + 2 * (size_t)illumination->n_first;
     *out = (struct material_terms){.material = material};
-    bool done = check_range(&illumination->pages, &material->diffuse, err) &&
-                check_range(&illumination->pages, &material->specular, err) &&
-                allocate(&maker, err) && add_constant(&maker, err);
+    bool done = check_range(pages, &material->diffuse, err) &&
+                check_range(pages, &material->specular, err) &&
+                MAKE_ARRAY(out->terms, most, err, "the terms of a material") &&
+                MAKE_ARRAY(out->spectra, most * (size_t)pages->n, err, "the terms of a material") &&
+                MAKE_ARRAY(maker.row, product_length(pages), err, "the terms of a material") &&
+                add_constant(&maker, err);
     for (int i = 0; done && i < illumination->n_lights; i++)
         done = illumination->lights[i].first < i || add_light(&maker, i, err);
     out->fluoresces = maker.luminescence.seen;

@@ -47,11 +47,9 @@ enum { N_ONCE = 6 };
  * first word. */
 struct scene_reader {
     struct scene *scene;
-    struct word *materials;     /* of each object, the name of its material or map, to be looked up
-                                   when all materials are known; start NULL: it is known already */
-    struct text *text;          /* the statement that is read */
-    struct place place;         /* of its first word */
-    struct place given[N_ONCE]; /* of the statements that may be given only once */
+    struct text *text;                 /* the statement that is read */
+    struct place place;                /* of its first word */
+    struct place given[N_ONCE];        /* of the statements that may be given only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open, n_included;            /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
@@ -88,8 +86,6 @@ bool light_read(struct scene_reader *reader, struct error *err);
 /* Adds a material to the scene, or frees it where that fails, or where it is not good. */
 bool material_keep(struct scene *scene, struct material *material, bool good, struct error *err);
 bool definition_read(struct scene_reader *reader, struct error *err);
-/* Adds the material of a file that a list names, unless it is there already; *out is its index. */
-bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
 void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */

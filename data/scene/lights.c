@@ -139,12 +139,10 @@ static bool read_light_option(const struct text *text, const char *start, struct
                               struct error *err)
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
-    struct word word = option_word(text, start, star ? star : end), number;
-    if (star) {
-        number = option_word(text, star + 1, end);
-        if (!word_number(&number, "intensity", 0, HUGE_VAL, &out->intensity, err))
-            return false;
-    }
+    const struct word word = option_word(text, start, star ? star : end),
+                      number = option_word(text, star ? star + 1 : end, end);
+    if (star && !word_number(&number, "intensity", 0, HUGE_VAL, &out->intensity, err))
+        return false;
     if (word.length == 0)
         return error_at(err, word.place, "expected a spectrum");
     spectrum_free(&out->spectrum);
@@ -153,19 +151,17 @@ static bool read_light_option(const struct text *text, const char *start, struct
 
 bool scene_set_light(struct scene *scene, const char *value, struct error *err)
 {
-    const char *equals;
     struct text text;
-    struct word number;
     long n;
     if (!option_open(scene, "--light", value, &text, err))
         return false;
-    equals = strchr(text.at, '=');
+    const char *equals = strchr(text.at, '=');
     if (!equals)
         return error_at(err, text_place(&text),
                         "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
     if (scene->n_lights == 0)
         return error_at(err, text_place(&text), "the scene has no lights");
-    number = option_word(&text, text.at, equals);
+    const struct word number = option_word(&text, text.at, equals);
     if (!word_integer(&number, "light", 1, LONG_MAX, &n, err))
         return false;
     if (n > scene->n_lights)

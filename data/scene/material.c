@@ -10,15 +10,12 @@
  * by this sum, the excitation by a light of 1 at all wavelengths. */
 static bool check_excitation(const struct spectrum *excitation, struct error *err)
 {
-    double sum = excitation->factor;
-    if (excitation->kind == SPECTRUM_CONSTANT)
-        sum *= excitation->parameter[0];
-    if (excitation->kind == SPECTRUM_SAMPLED) {
-        double values = 0;
-        for (int i = 0; i < excitation->count; i++)
-            values += excitation->value[i];
-        sum *= values;
-    }
+    double sum = excitation->kind == SPECTRUM_CONSTANT  ? excitation->parameter[0]
+                 : excitation->kind == SPECTRUM_SAMPLED ? 0
+                                                        : 1;
+    for (int i = 0; i < excitation->count; i++)
+        sum += excitation->value[i];
+    sum *= excitation->factor;
     return (sum > 0 && isfinite(sum)) ||
            error_at(err, excitation->place,
                     "the sum of the excitation is %g; expected a finite sum above 0", sum);
@@ -352,11 +349,10 @@ bool material_read_emission(struct text *text, struct material *out, struct erro
 
 void material_free(struct material *material)
 {
-    spectrum_free(&material->diffuse);
-    spectrum_free(&material->specular);
-    spectrum_free(&material->excitation);
-    spectrum_free(&material->emission);
-    spectrum_free(&material->glow);
+    struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
+                                  &material->emission, &material->glow};
+    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
+        spectrum_free(spectra[i]);
     donaldson_free(&material->matrix);
     if (material->partner)
         material_free(material->partner);

@@ -62,26 +62,6 @@ bool definition_read(struct scene_reader *reader, struct error *err)
     return material_keep(scene, &material, good, err);
 }
 
-/* ---- files in a list ---- */
-
-/* A listed material has no name until it is read. A file that is listed twice is one material. */
-bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err)
-{
-    struct material material = {.place = word->place};
-    struct scene *scene = reader->scene;
-    if (!word_file_or_here(word, FILE_MATERIAL, &material.path, err))
-        return false;
-    const size_t length = strlen(material.path);
-    *out = index_find(&reader->listed, material.path, length);
-    if (*out >= 0) {
-        material_free(&material);
-        return true;
-    }
-    *out = scene->n_materials;
-    return material_keep(scene, &material,
-                         index_add(&reader->listed, material.path, length, *out, err), err);
-}
-
 /* ---- materials that are used ---- */
 
 /* Proposes the materials that a statement defines by their names. A file in a list has no name yet;
@@ -166,19 +146,23 @@ const struct material *scene_partner(const struct scene *scene, const struct mat
 
 /* ---- material maps ---- */
 
-/* Finds the MTL file, or opens it; -1 after an error. */
-static int find_mtl(struct scene_reader *reader, const char *path, struct place from,
-                    struct error *err)
+/* Finds the MTL file that a word names, or opens it; -1 after an error. */
+static int find_mtl(struct scene_reader *reader, const struct word *file, struct error *err)
 {
     struct mtl mtl;
-    for (int i = 0; i < reader->n_mtl; i++)
-        if (strcmp(reader->mtl[i].text.path, path) == 0)
-            return i;
-    if (mtl_open(path, from, &mtl, err) &&
-        array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
-        return reader->n_mtl - 1;
-    mtl_free(&mtl);
-    return -1;
+    char *path;
+    int i = 0;
+    if (!word_file(file, FILE_KINDS, &path, err))
+        return -1;
+    while (i < reader->n_mtl && strcmp(reader->mtl[i].text.path, path) != 0)
+        i++;
+    if (i == reader->n_mtl && !(mtl_open(path, file->place, &mtl, err) &&
+                                array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))) {
+        mtl_free(&mtl);
+        i = -1;
+    }
+    free(path);
+    return i;
 }
 
 /* Finds the material of an entry, or reads the entry; -1 after an error. */
@@ -195,14 +179,10 @@ static int entry_material(struct scene *scene, struct mtl_entry *entry, struct e
 static bool use_entry(struct scene_reader *reader, const struct word *name, const struct word *file,
                       int *out, struct error *err)
 {
-    char *path;
     if (word_is(name, "*"))
         return error_at(err, name->place, "* is no entry of an MTL file; give it a material");
-    if (!word_file(file, FILE_KINDS, &path, err))
-        return false;
-    const int mtl = find_mtl(reader, path, file->place, err);
+    const int mtl = find_mtl(reader, file, err);
     struct mtl_entry *entry = mtl < 0 ? NULL : mtl_find(&reader->mtl[mtl], file->place, name, err);
-    free(path);
     *out = entry ? entry_material(reader->scene, entry, err) : -1;
     return *out >= 0;
 }
@@ -257,12 +237,11 @@ static bool read_assignment(struct scene_reader *reader, struct map *map, struct
            add_assignment(map, &name, &assignment, err);
 }
 
-static bool map_read(struct scene_reader *reader, const struct word *file, struct object *object,
-                     struct error *err)
+static bool map_read(struct scene_reader *reader, struct object *object, struct error *err)
 {
     struct map map = {.object = object};
     struct word word;
-    bool done = scene_open(reader->scene, file, FILE_MAP, &map.text, err);
+    bool done = scene_open(reader->scene, &object->named, FILE_MAP, &map.text, err);
     while (done && text_next_line(&map.text))
         done = !text_peek(map.text, &word) || read_assignment(reader, &map, err);
     index_free(&map.names);
@@ -272,17 +251,6 @@ static bool map_read(struct scene_reader *reader, const struct word *file, struc
 }
 
 /* ---- the materials that a mesh names itself ---- */
-
-/* Opens the MTL file of a mtllib, whose name is the rest of the line, and adds its index. */
-static bool add_library(struct scene_reader *reader, const struct word *file, int **libraries,
-                        int *n, struct error *err)
-{
-    char *path;
-    const int index =
-        word_file(file, FILE_KINDS, &path, err) ? find_mtl(reader, path, file->place, err) : -1;
-    free(path);
-    return index >= 0 && array_add(libraries, n, &index, sizeof index, err);
-}
 
 /* Gives a usemtl the entry that the first of n MTL files with that name has. */
 static bool add_entry_of(struct scene_reader *reader, struct map *map, const struct word *name,
@@ -302,7 +270,8 @@ static bool add_entry_of(struct scene_reader *reader, struct map *map, const str
     return true; /* a face that uses it is refused later */
 }
 
-/* Reads the statements mtllib and usemtl of a mesh whose object has no material. */
+/* Reads the statements mtllib and usemtl of a mesh whose object has no material. The name behind
+ * either of them is the rest of the line. */
 static bool mesh_materials(struct scene_reader *reader, struct object *object, struct error *err)
 {
     struct map map = {.object = object};
@@ -313,9 +282,10 @@ static bool mesh_materials(struct scene_reader *reader, struct object *object, s
     while (done && text_next_line(&map.text)) {
         if (!text_word(&map.text, &word))
             continue;
-        if (word_is(&word, "mtllib") && text_rest(&map.text, &rest))
-            done = add_library(reader, &rest, &libraries, &n, err);
-        else if (word_is(&word, "usemtl") && text_rest(&map.text, &rest))
+        if (word_is(&word, "mtllib") && text_rest(&map.text, &rest)) {
+            const int mtl = find_mtl(reader, &rest, err);
+            done = mtl >= 0 && array_add(&libraries, &n, &mtl, sizeof mtl, err);
+        } else if (word_is(&word, "usemtl") && text_rest(&map.text, &rest))
             done = add_entry_of(reader, &map, &rest, libraries, n, err);
     }
     done = done && (object->n_assignments > 0 ||
@@ -336,17 +306,16 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
     struct scene *scene = reader->scene;
     for (int i = 0; i < scene->n_objects; i++) {
         struct object *object = &scene->objects[i];
-        const struct word *word = &reader->materials[i];
-        if (word->start &&
-            !(object->material_map ? map_read(reader, word, object, err)
-                                   : use_named(reader, word, &object->material, err)))
+        if (object->named.start &&
+            !(object->material_map ? map_read(reader, object, err)
+                                   : use_named(reader, &object->named, &object->material, err)))
             return false;
-        if (!word->start && object->material < 0 && !mesh_materials(reader, object, err))
+        if (!object->named.start && object->material < 0 && !mesh_materials(reader, object, err))
             return false;
     }
     /* Listed materials come last: reading names them, and no object may find them by that name. */
     for (int i = 0; i < scene->n_objects; i++)
-        if (scene->objects[i].material >= 0 && !reader->materials[i].start &&
+        if (scene->objects[i].material >= 0 &&
             !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;

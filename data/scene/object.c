@@ -69,11 +69,9 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
 
 /* ---- objects ---- */
 
-/* An object as its statement describes it. Its material, or its material map, stays a word until
- * all materials are known. */
+/* An object as its statement describes it. */
 struct description {
     struct object object;
-    struct word material;
     struct place given[OBJECT_OPTIONS]; /* of the options that may be given only once */
     bool listed;                        /* a list gives the materials */
 };
@@ -86,8 +84,8 @@ static bool read_material(struct text *text, struct place place, bool map, struc
     if (map && out->object.shape.kind != SHAPE_MESH)
         return error_at(err, place, "only a mesh has several materials");
     return place_once(&out->given[OBJECT_MATERIAL], place, "material", err) &&
-           text_expect(text, &out->material, map ? "a material map" : "a material", err) &&
-           (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
+           text_expect(text, &out->object.named, map ? "a material map" : "a material", err) &&
+           (!map || word_file(&out->object.named, FILE_MAP, &out->object.material_map, err));
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
@@ -150,19 +148,13 @@ void object_free(struct object *object)
     *object = (struct object){.n_assignments = 0};
 }
 
-/* Adds a copy of the object; the description keeps what it owns. */
-static bool add_object(struct scene_reader *reader, const struct description *description,
-                       struct error *err)
+/* Adds a copy of an object, which keeps what it owns. */
+static bool add_object(struct scene *scene, const struct object *from, struct error *err)
 {
-    const struct object *from = &description->object;
-    struct scene *scene = reader->scene;
     struct object object = *from;
-    int n_materials = scene->n_objects;
     object.shape.path = object.material_map = NULL;
     if (string_copy(from->shape.path, &object.shape.path, err) &&
         string_copy(from->material_map, &object.material_map, err) &&
-        array_add(&reader->materials, &n_materials, &description->material,
-                  sizeof description->material, err) &&
         array_add(&scene->objects, &scene->n_objects, &object, sizeof object, err))
         return true;
     object_free(&object);
@@ -172,8 +164,8 @@ static bool add_object(struct scene_reader *reader, const struct description *de
 bool object_read(struct scene_reader *reader, struct error *err)
 {
     struct description description = {.listed = false};
-    bool done =
-        read_description(reader, &description, err) && add_object(reader, &description, err);
+    bool done = read_description(reader, &description, err) &&
+                add_object(reader->scene, &description.object, err);
     object_free(&description.object);
     return done;
 }
@@ -181,18 +173,18 @@ bool object_read(struct scene_reader *reader, struct error *err)
 bool background_read(struct scene_reader *reader, struct error *err)
 {
     struct scene *scene = reader->scene;
-    struct description description = {.object = {.shape = {.kind = SHAPE_PLANE,
-                                                           .parameter = {1, 1, 1},
-                                                           .repeat = {1, 1},
-                                                           .place = reader->place},
-                                                 .background = true,
-                                                 .transform = matrix_identity(),
-                                                 .place = reader->place}};
+    const struct object object = {.shape = {.kind = SHAPE_PLANE,
+                                            .parameter = {1, 1, 1},
+                                            .repeat = {1, 1},
+                                            .place = reader->place},
+                                  .material = scene->n_materials,
+                                  .background = true,
+                                  .transform = matrix_identity(),
+                                  .place = reader->place};
     struct material material;
-    description.object.material = scene->n_materials;
     const bool good = material_read_emission(reader->text, &material, err) &&
                       text_end(reader->text, "background", err);
-    return material_keep(scene, &material, good, err) && add_object(reader, &description, err);
+    return material_keep(scene, &material, good, err) && add_object(scene, &object, err);
 }
 
 /* ---- the thesis's grid ---- */
@@ -213,26 +205,44 @@ static struct matrix grid_place(int i, int n)
     return matrix_product(matrix_scaling(size), matrix_translation(at));
 }
 
+/* Adds the material of a file that a list names; *out is its index. It has no name until it is
+ * read. A file that is listed twice is one material. */
+static bool add_file(struct scene_reader *reader, const struct word *word, int *out,
+                     struct error *err)
+{
+    struct material material = {.place = word->place};
+    struct scene *scene = reader->scene;
+    if (!word_file_or_here(word, FILE_MATERIAL, &material.path, err))
+        return false;
+    const size_t length = strlen(material.path);
+    *out = index_find(&reader->listed, material.path, length);
+    if (*out >= 0) {
+        material_free(&material);
+        return true;
+    }
+    *out = scene->n_materials;
+    return material_keep(scene, &material,
+                         index_add(&reader->listed, material.path, length, *out, err), err);
+}
+
 /* Reads one material file a line, and adds a copy of the pattern with each material. */
-static bool add_listed(struct scene_reader *reader, struct text *list, struct description *pattern,
+static bool add_listed(struct scene_reader *reader, struct text *list, struct object *pattern,
                        struct error *err)
 {
     struct word word;
     while (text_next_line(list))
-        if (text_peek(*list, &word) &&
-            (!text_expect(list, &word, "a material file", err) ||
-             !text_end(list, "a line of a list", err) ||
-             !listed_add(reader, &word, &pattern->object.material, err) ||
-             !add_object(reader, pattern, err)))
+        if (text_peek(*list, &word) && (!text_expect(list, &word, "a material file", err) ||
+                                        !text_end(list, "a line of a list", err) ||
+                                        !add_file(reader, &word, &pattern->material, err) ||
+                                        !add_object(reader->scene, pattern, err)))
             return false;
     return true;
 }
 
 /* Adds a copy of the pattern with each sample of a table as its material. */
-static bool add_samples(struct scene_reader *reader, const struct text *set,
-                        struct description *pattern, struct error *err)
+static bool add_samples(struct scene *scene, const struct text *set, struct object *pattern,
+                        struct error *err)
 {
-    struct scene *scene = reader->scene;
     struct spectrum *samples;
     int n;
     bool done = set_read(*set, 1, &samples, &n, err);
@@ -240,19 +250,19 @@ static bool add_samples(struct scene_reader *reader, const struct text *set,
         struct material material = {.place = text_whole(set), .diffuse = samples[i]};
         samples[i] = (struct spectrum){.kind = SPECTRUM_NONE}; /* taken over */
         done = string_copy(material.diffuse.name, &material.name, err);
-        pattern->object.material = scene->n_materials;
-        done = material_keep(scene, &material, done, err) && add_object(reader, pattern, err);
+        pattern->material = scene->n_materials;
+        done = material_keep(scene, &material, done, err) && add_object(scene, pattern, err);
     }
     set_free(samples, n);
     return done;
 }
 
-static bool add_grid(struct scene_reader *reader, struct text *list, struct description *pattern,
+static bool add_grid(struct scene_reader *reader, struct text *list, struct object *pattern,
                      struct error *err)
 {
     struct scene *scene = reader->scene;
     int first = scene->n_objects, n;
-    if (!(set_is(*list) ? add_samples(reader, list, pattern, err)
+    if (!(set_is(*list) ? add_samples(scene, list, pattern, err)
                         : add_listed(reader, list, pattern, err)))
         return false;
     n = scene->n_objects - first;
@@ -272,7 +282,7 @@ bool checker_read(struct scene_reader *reader, struct error *err)
     bool done = text_expect(reader->text, &word, "a list of material files", err) &&
                 (list.path || scene_open(reader->scene, &word, FILE_LIST, &list, err)) &&
                 read_description(reader, &description, err) &&
-                add_grid(reader, &list, &description, err);
+                add_grid(reader, &list, &description.object, err);
     object_free(&description.object);
     return done;
 }

@@ -171,7 +171,6 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     *out = (struct scene){0};
     view_set_defaults(out);
     done = read_named(&reader, name, err);
-    free(reader.materials);
     materials_forget(&reader);
     tables_free(&out->tables);
     if (done)

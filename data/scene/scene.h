@@ -93,6 +93,9 @@ struct object {
         fit; /* of a list: makes a shape of radius 1 as large as the thesis's sphere; 0: others */
     struct matrix transform;
     struct place place;
+    /* The name of its material or map, which is looked up when the scene knows all materials; start
+     * NULL: there was nothing to look up. */
+    struct word named;
 };
 enum shading_kind {
     SHADING_SMOOTH, /* Gouraud's: lit at the vertices, interpolated */

@@ -127,10 +127,8 @@ const char *const shading_words[] = {
 bool shading_read(struct scene_reader *reader, struct error *err)
 {
     const int chosen = text_choose(reader->text, "shading", shading_words, "shading", err);
-    if (chosen < 0)
-        return false;
-    reader->scene->shading = (enum shading_kind)chosen;
-    return text_end(reader->text, "shading", err);
+    reader->scene->shading = chosen < 0 ? SHADING_SMOOTH : (enum shading_kind)chosen;
+    return chosen >= 0 && text_end(reader->text, "shading", err);
 }
 
 /* ---- camera ---- */

@@ -154,17 +154,6 @@ static bool keep_lines(struct record *record, struct error *err)
 
 /* ---- of a scene ---- */
 
-static bool put_files(const struct scene *scene, const char *detector, struct printed *to,
-                      struct error *err)
-{
-    struct inputs inputs;
-    const bool done = inputs_list(scene, detector, false, &inputs, err);
-    for (int i = 0; done && i < inputs.n; i++)
-        put_line(to, "file", inputs.file[i]);
-    inputs_free(&inputs);
-    return done;
-}
-
 static void put_lights(struct printed *to, const char *key, const struct light *lights, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -239,11 +228,14 @@ static bool put_light(struct printed *to, const struct scene *scene,
 bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err)
 {
     const struct scene *scene = made->scene;
+    struct inputs inputs;
+    const bool done = inputs_list(scene, made->detector, false, &inputs, err);
     put_line(to, "program", PROGRAM);
     put_line(to, "scene", scene->path);
     put_line(to, "scene_sha256", scene->sha256);
-    if (!put_files(scene, made->detector, to, err))
-        return false;
+    for (int i = 0; i < inputs.n; i++)
+        put_line(to, "file", inputs.file[i]);
+    inputs_free(&inputs);
     for (int i = 0; i < made->n_options; i++)
         put_line(to, "option", made->options[i]);
     put_line(to, "renderer", made->renderer);
@@ -253,7 +245,7 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
     put_lights(to, "ambient", scene->ambients, scene->n_ambients);
     if (scene_is_absolute(scene))
         put_line(to, "unit", ABSOLUTE_UNIT);
-    return put_light(to, scene, made->sampling, err);
+    return done && put_light(to, scene, made->sampling, err);
 }
 
 void record_put_beside(struct printed *to, const char *what, const struct scene *scene,

@@ -100,22 +100,20 @@ static void put_scale(struct printed *to, const struct cube *cube, int bits)
         print(to, "reflectance scale factor = %.17g\n", 1 / gain);
 }
 
-/* Returns the header of the stack in a file, allocated; NULL: it cannot be described. */
-static char *header_make(const char *stack, struct error *err)
+/* Prints the header of the stack in a file. */
+static void print_header(const char *stack, struct printed *to, struct error *err)
 {
     struct sampling_method method;
-    struct printed printed = {.text = NULL};
     struct raw_samples raw;
     struct cube cube;
     if (cube_open(stack, &cube, err) && image_describe(&cube.image, &raw, err) &&
         (!cube.components || sampling_read(stack, cube.record.sampling, &method, err))) {
-        put_description(&printed, &cube);
-        put_layout(&printed, &cube.image, &raw);
-        put_bands(&printed, &cube, &method);
-        put_scale(&printed, &cube, raw.bits);
+        put_description(to, &cube);
+        put_layout(to, &cube.image, &raw);
+        put_bands(to, &cube, &method);
+        put_scale(to, &cube, raw.bits);
     }
     cube_close(&cube);
-    return printed_take(&printed, err);
 }
 
 /* ---- files ---- */
@@ -136,10 +134,12 @@ static bool run_envi(struct options *options, struct error *err)
         return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack, err);
     const char *path = options->output ? options->output : beside;
-    char *header = beside && scene_refuse(stack, err) ? header_make(stack, err) : NULL;
-    const bool done = header && file_write(path, header, strlen(header), &options->outputs, err) &&
+    struct printed header = {.text = NULL};
+    if (beside && scene_refuse(stack, err))
+        print_header(stack, &header, err);
+    const bool done = printed_write(&header, path, &options->outputs, err) &&
                       options_show_output(options, "header", path, err);
-    FREE_ALL(header, beside);
+    free(beside);
     return done;
 }
 

@@ -151,22 +151,19 @@ static bool read_first(struct image *image, struct page_record *out, struct erro
 {
     static const char full_scale[] = "full_scale: ";
     const char *text = "", *verdict = private_text(image->tiff, TAG_VERDICT);
-    size_t length = verdict != NULL ? strlen(verdict) : 0;
     uint16_t page = 0, n_pages = 0;
     uint32_t count = 0;
     const char *any = NULL;
     if (TIFFGetField(image->tiff, TAG_VERDICT, &count, &any) &&
         TIFFGetField(image->tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
         image->n_recorded = n_pages;
-    while (length > 0 && verdict[length - 1] == ' ')
-        length--;
     TIFFGetField(image->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
     if (!string_copy(text, &image->description, err) ||
-        !MAKE_ARRAY(image->verdict, length + 1, err, "the verdict of %s", image->path))
+        !string_copy(verdict != NULL ? verdict : "", &image->verdict, err))
         return false;
     image->channels = image->description;
-    if (length > 0)
-        memcpy(image->verdict, verdict, length);
+    for (size_t n = strlen(image->verdict); n > 0 && image->verdict[n - 1] == ' ';)
+        image->verdict[--n] = '\0';
     /* the names before the element are the user's */
     const char *element = strstr(image->description, "<Description>");
     const char *scale = strstr(element != NULL ? element : image->description, full_scale);

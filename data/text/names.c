@@ -67,12 +67,11 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
 
 bool word_file_or_here(const struct word *word, enum file_kind kind, char **out, struct error *err)
 {
-    char *here;
     if (!word_file(word, kind, out, err))
         return false;
     if (!file_is_missing(*out))
         return true;
-    here = word_copy(word, err);
+    char *here = word_copy(word, err);
     if (here && !file_is_missing(here)) {
         free(*out);
         *out = here;

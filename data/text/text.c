@@ -31,14 +31,6 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
     return true;
 }
 
-/* Lines of classic Macs, and of Excel there, end in \r alone. They become \n. */
-static void end_lines(char *bytes)
-{
-    if (strchr(bytes, '\n') == NULL)
-        for (; (bytes = strchr(bytes, '\r')) != NULL; bytes++)
-            *bytes = '\n';
-}
-
 /* Refuses what is text, too, but has a form that none of our readers takes. */
 static bool check_format(const struct text *text, bool xml, struct error *err)
 {
@@ -63,7 +55,10 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
     text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
     text->line_start = text->line_end = text->at;
-    end_lines(bytes);
+    /* Lines of classic Macs, and of Excel there, end in \r alone. They become \n. */
+    if (strchr(bytes, '\n') == NULL)
+        while ((bytes = strchr(bytes, '\r')) != NULL)
+            *bytes++ = '\n';
     if (check_lengths(text, longest, err))
         return true;
     text_free(text);

@@ -52,14 +52,6 @@ static const struct egl *egl_of(const struct canvas *canvas)
 
 /* ---- a canvas ---- */
 
-static GLenum colour_format(const struct canvas *canvas)
-{
-    return canvas->bits == 32   ? GL_RGBA32F
-           : canvas->bits == 16 ? GL_RGBA16
-           : canvas->bits == 10 ? GL_RGB10_A2
-                                : GL_RGBA8;
-}
-
 /* Makes a buffer, and lets the canvas draw on it. */
 static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
 {
@@ -75,21 +67,25 @@ static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
 static bool make_buffers(const struct canvas *canvas, struct error *err)
 {
     const struct gl_functions *call = &canvas->contexts->call;
-    const int n = canvas->contexts->n_colours;
+    const int n = canvas->contexts->n_colours, bits = canvas->bits;
+    const GLenum format = bits == 32   ? GL_RGBA32F
+                          : bits == 16 ? GL_RGBA16
+                          : bits == 10 ? GL_RGB10_A2
+                                       : GL_RGBA8;
     GLenum colours[MOST_AT_ONCE];
     GLuint framebuffer;
     call->GenFramebuffers(1, &framebuffer);
     call->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     for (int i = 0; i < n; i++) {
         colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
-        add_buffer(canvas, colour_format(canvas), colours[i]);
+        add_buffer(canvas, format, colours[i]);
     }
     if (n > 1)
         call->DrawBuffers(n, colours);
     add_buffer(canvas, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
     return call->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE ||
            error_unsupported(err, "EGL's OpenGL gives no framebuffer of %d x %d pixels of %d bits",
-                             canvas->width, canvas->height, canvas->bits);
+                             canvas->width, canvas->height, bits);
 }
 
 static bool make_current(const struct egl *egl, EGLContext context, struct error *err)

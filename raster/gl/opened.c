@@ -33,16 +33,16 @@ static bool upload_triangles(const struct drawing *of, int instance, struct erro
 {
     const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
     const bool *hidden = of->lit->bounds[instance].hidden;
-    const size_t size = sizeof *mesh->triangles;
     size_t n = 0;
-    char *indices;
-    if (!MAKE_ARRAY(indices, (size_t)mesh->n_triangles * size, err, "the triangles of %s",
+    int32_t(*indices)[3];
+    if (!MAKE_ARRAY(indices, mesh->n_triangles, err, "the triangles of %s",
                     object_name(of->plan, instance)))
         return false;
     for (int i = 0; i < mesh->n_triangles; i++)
         if (!hidden || !hidden[i])
-            memcpy(indices + size * n++, mesh->triangles[i], size);
-    of->call->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
+            memcpy(indices[n++], mesh->triangles[i], sizeof *indices);
+    of->call->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * sizeof *indices), indices,
+                         GL_STATIC_DRAW);
     free(indices);
     return true;
 }
@@ -114,16 +114,13 @@ static void draw_instance(const struct drawing *of, int instance,
     int n = 0;
     of->kind->place(of, instance);
     for (int i = 0; i < mesh->n_triangles; i++) {
-        if (hidden && hidden[i])
-            continue;
-        number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
-        if (n == BATCH) {
+        if (!hidden || !hidden[i])
+            number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
+        if (n == BATCH || (n > 0 && i + 1 == mesh->n_triangles)) {
             of->kind->draw_corners(of, batch, 3 * n);
             n = 0;
         }
     }
-    if (n > 0)
-        of->kind->draw_corners(of, batch, 3 * n);
 }
 
 bool numbers_draw(struct drawing *of, struct error *err)

@@ -68,15 +68,6 @@ static void look_at_material(struct looked *tables, const struct shaded_material
         look_at(tables, "emission", name, &material->glow, false);
 }
 
-static void look_at_texture(struct looked *tables, const struct texture *texture)
-{
-    const struct image *image = &texture->image;
-    const struct spectrum pages = {
-        .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
-    if (texture->spectral)
-        look_at(tables, "texture", image->path, &pages, true);
-}
-
 struct tables_found tables_look(const struct plan *plan, struct printed *to)
 {
     struct looked tables = {.plan = plan, .to = to};
@@ -89,7 +80,13 @@ struct tables_found tables_look(const struct plan *plan, struct printed *to)
     }
     for (int i = 0; i < plan->n_materials; i++)
         look_at_material(&tables, &plan->materials[i]);
-    for (int i = 0; i < plan->n_textures; i++)
-        look_at_texture(&tables, &plan->textures[i]);
+    for (int i = 0; i < plan->n_textures; i++) {
+        const struct image *image = &plan->textures[i].image;
+        const struct spectrum pages = {.kind = SPECTRUM_SAMPLED,
+                                       .count = image->n_pages,
+                                       .wavelength_nm = image->wavelengths_nm};
+        if (plan->textures[i].spectral)
+            look_at(&tables, "texture", image->path, &pages, true);
+    }
     return tables.found;
 }

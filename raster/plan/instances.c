@@ -4,21 +4,13 @@
  * share it. */
 #include "raster/plan/inside.h"
 
-/* A mesh as its shape describes it, before it is parted and moved. */
-struct whole {
-    struct shape shape; /* tessellated; its names are the scene's */
-    struct mesh mesh;
-    struct vector centre;
-    double unit;        /* as in plan_mesh */
-    struct index parts; /* the parts of the mesh by name, once a material map has asked */
-};
 /* The part of a whole that is shown, -1: all; on which side of x = 0, -1: both. */
 struct cutting {
     int whole, part, side;
 };
 struct instance_maker {
     struct plan *plan;
-    struct whole *wholes;
+    struct plan_mesh *wholes; /* as their shapes describe them, before they are parted and moved */
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
     struct index places;           /* instances by mesh and place */
@@ -42,30 +34,26 @@ static bool repeats(const struct scene *scene, const struct object *object)
     return textured && (object->shape.kind == SHAPE_MESH || repeat[0] != 1 || repeat[1] != 1);
 }
 
-/* Returns the key of a shape, allocated, and its length: shapes of one key have one mesh. NULL: no
- * memory. */
-static char *shape_key(const struct shape *shape, bool repeated, size_t *length, struct error *err)
+/* Prints the key of a shape: shapes of one key have one mesh. */
+static void print_key(const struct shape *shape, bool repeated, struct printed *key)
 {
     const bool is_mesh = shape->kind == SHAPE_MESH;
     const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, repeated};
     const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
-    struct printed key = {.text = NULL};
-    print_bytes(&key, words, sizeof words);
+    print_bytes(key, words, sizeof words);
     if (repeated)
-        print_bytes(&key, shape->repeat, sizeof shape->repeat);
+        print_bytes(key, shape->repeat, sizeof shape->repeat);
     if (is_mesh) {
-        print_bytes(&key, &crease_deg, sizeof crease_deg);
-        print_text(&key, shape->path);
+        print_bytes(key, &crease_deg, sizeof crease_deg);
+        print_text(key, shape->path);
     } else {
-        print_bytes(&key, shape->parameter, sizeof shape->parameter);
+        print_bytes(key, shape->parameter, sizeof shape->parameter);
     }
-    *length = key.length;
-    return printed_take(&key, err);
 }
 
 /* Fills in the centre of the mesh's box, and the power of two next to the largest distance from it
  * along an axis. */
-static void find_centre(struct whole *whole)
+static void find_centre(struct plan_mesh *whole)
 {
     struct vector low, high;
     int exponent;
@@ -80,7 +68,7 @@ static void find_centre(struct whole *whole)
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
                       struct error *err)
 {
-    struct whole whole = {.shape = *shape};
+    struct plan_mesh whole = {.shape = *shape, .solid = shape_is_solid(shape->kind)};
     bool done = shape_build(shape, &whole.mesh, err);
     for (int i = maker->plan->options.halvings; done && shape->kind == SHAPE_MESH && i > 0; i--)
         done = mesh_halve(&whole.mesh, err);
@@ -104,8 +92,10 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
     const struct shape shape = shape_tessellated(
         &object->shape, ldexp(scene->tessellation, maker->plan->options.halvings));
     const bool repeated = repeats(scene, object);
-    size_t length;
-    char *key = shape_key(&shape, repeated, &length, err);
+    struct printed printed = {.text = NULL};
+    print_key(&shape, repeated, &printed);
+    const size_t length = printed.length;
+    char *key = printed_take(&printed, err);
     if (!key)
         return -1;
     int found = index_find(&maker->shapes, key, length);
@@ -118,26 +108,23 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
 
 /* ---- meshes as they are drawn ---- */
 
-/* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
+/* Adds a mesh to the plan, which takes it over: *mesh is empty then. Moves it by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
 static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
                      struct error *err)
 {
     struct plan *plan = maker->plan;
-    const struct whole *whole = &maker->wholes[cutting.whole];
-    struct plan_mesh added = {.mesh = *mesh,
-                              .solid = cutting.side < 0 && shape_is_solid(whole->shape.kind),
-                              .shape = whole->shape,
-                              .centre = whole->centre,
-                              .unit = whole->unit};
+    struct plan_mesh added = maker->wholes[cutting.whole];
+    added.mesh = *mesh;
+    added.solid = added.solid && cutting.side < 0;
     for (int i = 0; i < mesh->n_vertices; i++)
-        mesh->vertices[i].position = vector_scale(
-            vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
-        array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
-        return true;
-    mesh_free(mesh);
-    return false;
+        mesh->vertices[i].position =
+            vector_scale(vector_subtract(mesh->vertices[i].position, added.centre), 1 / added.unit);
+    if (!index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) ||
+        !array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
+        return false;
+    *mesh = (struct mesh){.n_vertices = 0};
+    return true;
 }
 
 static bool add_sides(struct instance_maker *maker, struct cutting cutting, const struct mesh *part,
@@ -145,12 +132,9 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 {
     struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
     bool done = mesh_cut(part, &halves, err);
-    for (cutting.side = 0; done && cutting.side < 2; cutting.side++) {
-        done = mesh_part(&halves, cutting.side, &half, err);
-        if (!done)
-            mesh_free(&half);
-        done = done && add_mesh(maker, cutting, &half, err);
-    }
+    for (cutting.side = 0; done && cutting.side < 2; cutting.side++)
+        done = mesh_part(&halves, cutting.side, &half, err) && add_mesh(maker, cutting, &half, err);
+    mesh_free(&half);
     mesh_free(&halves);
     return done;
 }
@@ -159,10 +143,9 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
     struct mesh part;
-    bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err);
-    if (done && cutting.side < 0)
-        return add_mesh(maker, cutting, &part, err);
-    done = done && add_sides(maker, cutting, &part, err);
+    const bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err) &&
+                      (cutting.side < 0 ? add_mesh(maker, cutting, &part, err)
+                                        : add_sides(maker, cutting, &part, err));
     mesh_free(&part);
     return done;
 }
@@ -249,49 +232,47 @@ static bool add_halves(struct instance_maker *maker, const struct object *object
     const struct material *partner = scene_partner(maker->plan->scene, material);
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
-    cutting.side = 0;
-    struct cutting other = cutting;
-    other.side = 1;
-    return add_instance(maker, object, cutting, material, err) &&
-           add_instance(maker, object, other, partner, err);
+    const struct cutting left = {cutting.whole, cutting.part, 0},
+                         right = {cutting.whole, cutting.part, 1};
+    return add_instance(maker, object, left, material, err) &&
+           add_instance(maker, object, right, partner, err);
 }
 
 /* ---- several materials on one mesh ---- */
 
-static const char *part_name(const struct mesh *mesh, int part)
-{
-    return mesh->part_names ? mesh->part_names[part] : "";
-}
-
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
  * the mesh does not have is a mistake. */
-static bool find_uses(const struct object *object, struct whole *whole,
+static bool find_uses(const struct object *object, const struct mesh *mesh,
                       const struct material_assignment **use, struct error *err)
 {
-    const int n_parts = whole->mesh.n_parts;
     const struct material_assignment *others = NULL;
-    for (int i = 0; i < object->n_assignments; i++) {
+    struct index parts = {0};
+    bool done = true;
+    for (int part = 0; done && part < mesh->n_parts; part++)
+        done = index_add(&parts, mesh->part_names[part], strlen(mesh->part_names[part]), part, err);
+    for (int i = 0; done && i < object->n_assignments; i++) {
         const struct material_assignment *line = &object->assignments[i];
-        const int part = index_find(&whole->parts, line->name, strlen(line->name));
+        const int part = index_find(&parts, line->name, strlen(line->name));
         const bool star = strcmp(line->name, "*") == 0;
         if (star)
             others = line;
         if (part >= 0)
             use[part] = line;
         else if (!star && object->material_map)
-            return error_at(err, line->place, "no face of %.300s has usemtl '%.100s'",
+            done = error_at(err, line->place, "no face of %.300s has usemtl '%.100s'",
                             object->shape.path, line->name);
     }
-    for (int part = 0; part < n_parts; part++)
+    index_free(&parts);
+    for (int part = 0; part < mesh->n_parts; part++)
         use[part] = use[part] ? use[part] : others;
-    return true;
+    return done;
 }
 
 static bool add_part(struct instance_maker *maker, const struct object *object,
                      struct cutting cutting, const struct material_assignment *use,
                      struct error *err)
 {
-    const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
+    const char *name = maker->wholes[cutting.whole].mesh.part_names[cutting.part];
     if (!use)
         return error_at(err, object->place,
                         "%s%.100s of %.300s has no %s %.300s; in a material map a line for * "
@@ -305,15 +286,11 @@ static bool add_part(struct instance_maker *maker, const struct object *object,
 static bool add_parts(struct instance_maker *maker, const struct object *object, int whole,
                       struct error *err)
 {
-    struct whole *of = &maker->wholes[whole];
-    const int n_parts = of->mesh.n_parts;
+    const struct mesh *mesh = &maker->wholes[whole].mesh;
+    const int n_parts = mesh->n_parts;
     const struct material_assignment **use;
-    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts);
-    for (int part = (int)of->parts.n_keys; part < n_parts && done; part++) {
-        const char *name = part_name(&of->mesh, part);
-        done = index_add(&of->parts, name, strlen(name), part, err);
-    }
-    done = done && find_uses(object, of, use, err);
+    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts) &&
+                find_uses(object, mesh, use, err);
     for (int part = 0; done && part < n_parts; part++)
         done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
     free(use);
@@ -360,10 +337,8 @@ bool instances_make(struct plan *plan, struct error *err)
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
-    for (int i = 0; i < maker.n_wholes; i++) {
+    for (int i = 0; i < maker.n_wholes; i++)
         mesh_free(&maker.wholes[i].mesh);
-        index_free(&maker.wholes[i].parts);
-    }
     free(maker.wholes);
     index_free(&maker.shapes);
     index_free(&maker.cuttings);

@@ -42,25 +42,21 @@ static double eye_unit(const struct camera *camera)
 /* Eye space to clip space, as OpenGL's glOrtho and glFrustum define it. */
 static struct matrix projection_of(const struct camera *camera, int width, int height)
 {
-    double aspect = (double)width / height, depth = camera->far - camera->near;
-    struct matrix m = {{{0}}};
+    const double aspect = (double)width / height, near = camera->near, far = camera->far,
+                 depth = far - near;
     if (camera->perspective) {
-        double sine, cosine, cotangent;
+        double sine, cosine;
         sine_cosine(camera->extent / 2, &sine, &cosine);
-        cotangent = cosine / sine;
-        m.row[0][0] = cotangent / aspect;
-        m.row[1][1] = cotangent;
-        m.row[2][2] = -(camera->far + camera->near) / depth;
-        m.row[2][3] = -2 * camera->far * camera->near / depth;
-        m.row[3][2] = -1;
-    } else {
-        m.row[0][0] = 2 / camera->extent;
-        m.row[1][1] = 2 / camera->extent * aspect;
-        m.row[2][2] = -2 / depth;
-        m.row[2][3] = -(camera->far + camera->near) / depth;
-        m.row[3][3] = 1;
+        const double cotangent = cosine / sine;
+        return (struct matrix){{{cotangent / aspect, 0, 0, 0},
+                                {0, cotangent, 0, 0},
+                                {0, 0, -(far + near) / depth, -2 * far * near / depth},
+                                {0, 0, -1, 0}}};
     }
-    return m;
+    return (struct matrix){{{2 / camera->extent, 0, 0, 0},
+                            {0, 2 / camera->extent * aspect, 0, 0},
+                            {0, 0, -2 / depth, -(far + near) / depth},
+                            {0, 0, 0, 1}}};
 }
 
 /* Places a plane of 1 x 1 a little before the far plane, so that it fills the view and more: the
@@ -103,20 +99,18 @@ static void size_tiles(struct plan *plan)
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0) +
                    (plan->options.gl_way != GL_WITHOUT_SHADERS ? SHADER_BYTES : 0);
-    size_t pixels = tile_budget / (pixel - SIDE_BY_SIDE_BYTES), most = pixels / CHUNK_ROWS,
-           columns = LARGEST_TILE;
+    /* another program draws the picture in one piece */
+    size_t pixels = plan->options.complete ? (size_t)LARGEST_TILE * LARGEST_TILE
+                                           : tile_budget / (pixel - SIDE_BY_SIDE_BYTES),
+           most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
     int width = plan->view.width, height = plan->view.height;
     while (columns > most && columns > 1)
         columns /= 2;
-    if (plan->options.complete) /* another program draws it in one piece */
-        columns = LARGEST_TILE;
     plan->tile_width = width < (int)columns ? width : (int)columns;
-    size_t rows = pixels / (size_t)plan->tile_width;
-    rows -= rows % CHUNK_ROWS;
-    if (rows < CHUNK_ROWS)
-        rows = CHUNK_ROWS;
-    if (rows > LARGEST_TILE || plan->options.complete)
-        rows = LARGEST_TILE;
+    const size_t fit = pixels / (size_t)plan->tile_width, rows = fit < CHUNK_ROWS ? CHUNK_ROWS
+                                                                 : fit > LARGEST_TILE
+                                                                     ? LARGEST_TILE
+                                                                     : fit - fit % CHUNK_ROWS;
     plan->tile_height = (int)rows < height ? (int)rows : height;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;

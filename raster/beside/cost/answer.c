@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The answer to what accuracy costs: the cheapest way for each error, the prices of the check, of
  * positions and of triangles, and the table of all. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/maths/maths.h"
 #include "raster/beside/cost/inside.h"
 
 const double wanted_errors[WANTED_ERRORS] = {2, 1, 0.5, 0.1};
@@ -70,24 +65,21 @@ void cost_mark(struct cost *cost)
 
 /* ---- the table ---- */
 
-static void print_row(const struct configuration *of, struct printed *to)
-{
-    char checked[16] = "";
-    if (of->checked.n > 0)
-        snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
-    print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
-          median_of(&of->unchecked), of->error.quantile_95, of->error.mean, of->error.peak.largest,
-          of->components ? "no spectra" : "");
-}
-
 /* Prints those that somebody would choose, and the words of the others. */
 static void print_table(const struct cost *cost, struct printed *to)
 {
     print(to, "\n%-26s %8s %9s %8s %8s %8s\n", "sampling", "checked", "unchecked", "95 %", "mean",
           "largest");
-    for (int i = 0; i < cost->n; i++)
-        if (cost->samplings[i].best)
-            print_row(&cost->samplings[i], to);
+    for (int i = 0; i < cost->n; i++) {
+        const struct configuration *of = &cost->samplings[i];
+        char checked[16] = "";
+        if (of->checked.n > 0)
+            snprintf(checked, sizeof checked, "%.3f", median_of(&of->checked));
+        if (of->best)
+            print(to, "%-26s %8s %9.3f %8.3g %8.3g %8.3g  %s\n", of->words, checked,
+                  median_of(&of->unchecked), of->error.quantile_95, of->error.mean,
+                  of->error.peak.largest, of->components ? "no spectra" : "");
+    }
     print_text(to, "dearer, not closer:");
     for (int i = 0; i < cost->n; i++)
         if (!cost->samplings[i].best)
@@ -209,22 +201,20 @@ void cost_print(const struct options *options, const struct cost *cost, struct p
 
 /* ---- as CSV and JSON ---- */
 
-static void print_csv_row(const struct configuration *of, struct printed *to)
-{
-    print_text(to, "\"");
-    csv_text(of->words, to);
-    print_text(to, "\",");
-    if (of->checked.n > 0)
-        print(to, "%.9g", median_of(&of->checked));
-    print(to, ",%.9g,%d,%.9g,%.9g,%.9g,%d,%d\n", median_of(&of->unchecked), of->unchecked.n,
-          of->error.mean, of->error.quantile_95, of->error.peak.largest, !of->components, of->best);
-}
-
 void cost_csv(const struct cost *cost, struct printed *to)
 {
     print_text(to, "options,checked,unchecked,runs,dE00_mean,dE00_95,dE00_largest,spectra,best\n");
-    for (int i = 0; i < cost->n; i++)
-        print_csv_row(&cost->samplings[i], to);
+    for (int i = 0; i < cost->n; i++) {
+        const struct configuration *of = &cost->samplings[i];
+        print_text(to, "\"");
+        csv_text(of->words, to);
+        print_text(to, "\",");
+        if (of->checked.n > 0)
+            print(to, "%.9g", median_of(&of->checked));
+        print(to, ",%.9g,%d,%.9g,%.9g,%.9g,%d,%d\n", median_of(&of->unchecked), of->unchecked.n,
+              of->error.mean, of->error.quantile_95, of->error.peak.largest, !of->components,
+              of->best);
+    }
 }
 
 static void json_row(struct json *json, const char *key, const struct configuration *of)

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
-#include "raster/render/render.h"
 
 struct cost_options {
     struct render_options render; /* the first member */

@@ -6,7 +6,6 @@
 #define RASTER_BESIDE_COST_COST_H
 
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- command.c: spectral cost ---- */
 

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The chart of error over seconds: steps join the configurations that no cheaper one beats. */
-#include <math.h>
-#include <string.h>
-
 #include "raster/beside/cost/inside.h"
 
 /* Configurations that the chart marks alike. */

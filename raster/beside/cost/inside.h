@@ -3,11 +3,9 @@
 #ifndef RASTER_BESIDE_COST_INSIDE_H
 #define RASTER_BESIDE_COST_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/scene/scene.h"
 #include "raster/beside/cost/cost.h"
 #include "raster/beside/see/see.h"
+#include "raster/render/render.h"
 
 enum { MOST_SAMPLINGS = 32, MOST_RUNS = 5, RENDER_WORDS = 96 };
 

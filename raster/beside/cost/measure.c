@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders the scene in each configuration, by running this program as a user's command line does,
  * and measures how far its stack is off. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/cost/inside.h"
-#include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 
 /* Samplings that are tried, from few pages to many. A scene refuses some: spectral textures have no
  * components. */
@@ -147,14 +142,6 @@ static bool differ(const struct measurement *of, struct seen_stack *standard,
 }
 
 /* ---- samplings ---- */
-
-/* Renders the standard: float pages at every nm, by the reference. */
-static bool make_standard(struct measurement *of, struct error *err)
-{
-    struct configuration *out = &of->cost->every_nm;
-    snprintf(out->words, sizeof out->words, "%s", every_nm);
-    return run(of, "--sampling=riemann:1 --depth=32f", alone, STANDARD, &out->unchecked, err);
-}
 
 /* Says how long everything is likely to take, when the first sampling has been drawn: some thirty
  * pictures, a third of them with the check, and fewer where each takes long. The numbers were
@@ -340,11 +327,10 @@ static bool find_prices(struct measurement *of, struct error *err)
 static void find_small_size(struct cost *cost)
 {
     static const int most = 60000; /* pixels */
-    int width = cost->width, height = cost->height;
-    for (; (double)width * height > most; width /= 2)
-        height = height > 1 ? height / 2 : 1;
-    cost->small_width = width;
-    cost->small_height = height;
+    int *width = &cost->small_width, *height = &cost->small_height;
+    *height = cost->height;
+    for (*width = cost->width; (double)*width * *height > most; *width /= 2)
+        *height = *height > 1 ? *height / 2 : 1;
 }
 
 static bool try_opengl(void *context, void *out, struct error *err)
@@ -392,15 +378,18 @@ static bool survey(struct measurement *of, struct error *err)
 
 static bool measure(struct measurement *of, struct error *err)
 {
+    struct configuration *standard = &of->cost->every_nm;
     if (!survey(of, err) || !folder_open(&of->folder, err))
         return false;
     for (int i = 0; i < N_STACKS; i++) {
         snprintf(of->stacks[i], sizeof of->stacks[i], "%s/%d.tif", of->folder.path, i);
         guard_remove(of->stacks[i]);
     }
-    of->standard.path = of->stacks[STANDARD];
-    return make_standard(of, err) && try_all(of, err) && settle(of, err) && run_checked(of, err) &&
-           find_prices(of, err);
+    of->standard.path = of->stacks[STANDARD]; /* float pages at every nm, by the reference */
+    snprintf(standard->words, sizeof standard->words, "%s", every_nm);
+    return run(of, "--sampling=riemann:1 --depth=32f", alone, STANDARD, &standard->unchecked,
+               err) &&
+           try_all(of, err) && settle(of, err) && run_checked(of, err) && find_prices(of, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)

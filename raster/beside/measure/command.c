@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. Tries each
  * library with each driver. A process can open one library only. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
 
 /* A driver that takes longer to start, or to draw the targets, hangs: those here take a second. */
 enum { START_SECONDS = 30 };

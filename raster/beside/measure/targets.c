@@ -2,13 +2,7 @@
 /* Measures a driver by the targets, a built-in scene of small triangles. Its pixels are drawn, or
  * read, once, and judged by one profile after the other: the narrowest one that explains them is
  * the driver's. */
-#include <stddef.h>
-#include <string.h>
-
-#include "data/scene/scene.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/counts/counts.h"
 
 /* ---- the scene ---- */
 

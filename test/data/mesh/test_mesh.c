@@ -409,7 +409,7 @@ static void check_parts(void)
     CHECK(mesh.n_parts == 1 && mesh.part && strcmp(mesh.part_names[0], "only") == 0,
           "a single part keeps its name");
     plain = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nusemtl late\n", 90);
-    CHECK(plain.n_parts == 1 && !plain.part && !plain.part_names,
+    CHECK(plain.n_parts == 1 && !plain.part && plain.part_names[0][0] == '\0',
           "without named faces the mesh is one part");
     CHECK(same_mesh(&mesh, &plain), "names change nothing else");
     mesh_free(&mesh);
