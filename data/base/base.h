@@ -241,9 +241,10 @@ bool is_interrupted(void); /* such a signal waits */
 /* A job fills in `out`, of the size that process_run has. */
 typedef bool process_job(void *context, void *out, struct error *err);
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
- * limit_s: ends a job that takes more seconds; 0: none is too slow. What the job has read counts as
- * read by this process: see file_was_read. No other thread of this process runs now, and it starts
- * no OpenGL: a copy of a process has none of its threads, and OpenGL would wait for them. */
+ * limit_s: ends a job that takes more seconds; 0: none is too slow. What the job reads is no input
+ * of this process, which must read it before, if no output may replace it: see file_was_read. No
+ * other thread of this process runs now, and it starts no OpenGL: a copy of a process has none of
+ * its threads, and OpenGL would wait for them. */
 bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
                  struct error *err);
 
