@@ -130,9 +130,8 @@ struct progress_line {
 /* Begins a line. Returns true if it is to be shown: standard error is a terminal, and `quiet` is
  * not set. */
 bool progress_start(struct progress_line *out, bool quiet);
-/* Shows that `done` of `all` steps are done. Removes the line after the last one. The context is a
- * struct progress_line. */
-void progress_show(void *context, long done, long all);
+/* Shows that `done` of `all` steps are done. Removes the line after the last one. */
+void progress_show(struct progress_line *line, long done, long all);
 uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unknown */
 
 /* ---- loop.c ---- */
