@@ -54,31 +54,26 @@ static bool child_failed(int status, struct error *err)
 
 /* ---- a job ---- */
 
-/* The job sends this first, then its own bytes. */
-struct reply {
-    bool done;
-    struct error err;
-};
-
 /* Fails if the pipe ends before the last byte. */
 static bool read_all(int from, void *bytes, size_t length)
 {
     return read_at(from, bytes, length, OWN_PLACE) == (ssize_t)length;
 }
 
-/* Reads the job's result, and waits until its process ends. */
+/* Reads the job's failure, if any, and its bytes, and waits until its process ends. */
 static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
 {
-    struct reply reply;
+    struct error failure;
     int status = 0;
-    const bool whole = read_all(from, &reply, sizeof reply) && read_all(from, out, size);
+    const bool whole = read_all(from, &failure, sizeof failure) && read_all(from, out, size);
     if (!child_end(child, from, &status, err))
         return false;
     if (!whole)
         return child_failed(status, err);
-    if (!reply.done)
-        *err = reply.err;
-    return reply.done;
+    if (failure.status == EXIT_AGREED)
+        return true;
+    *err = failure;
+    return false;
 }
 
 bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
@@ -89,11 +84,11 @@ bool process_run(process_job *job, void *context, void *out, size_t size, unsign
     if (!child_start(&child, &end, err))
         return false;
     if (child == 0) {
-        struct reply reply = {.done = false};
+        struct error failure = {.status = EXIT_AGREED};
         signal(SIGALRM, SIG_DFL);
         alarm(limit_s);
-        reply.done = job(context, out, &reply.err);
-        _exit(!(write_all(end, &reply, sizeof reply) && write_all(end, out, size)));
+        job(context, out, &failure);
+        _exit(!(write_all(end, &failure, sizeof failure) && write_all(end, out, size)));
     }
     return await(child, end, out, size, err);
 }
