@@ -181,9 +181,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     const struct render_options *own = options->own;
     struct render_job job = {.limits = {false, 0}};
     struct render_output complete = *output;
-    complete.recorded = options->recorded;
-    complete.n_recorded = options->n_recorded;
-    complete.detector = options->detector;
+    complete.options = options;
     complete.limits = &job.limits;
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
     struct rendered rendered = {
