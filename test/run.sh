@@ -14,7 +14,7 @@ endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile-
 instances=raster/plan/instances.c
 hollow='s/added[.]solid = .*;/added.solid = true;/'
 whole='s/added[.]solid = .*;/added.solid = false;/'
-moved='s/factor \* vector_dot(row_of(&of, 0), v)/& + atof(getenv("MOVED"))/'
+moved='s/factor \* vector_dot(row_of(of, 0), v)/& + atof(getenv("MOVED"))/'
 detail='s/#include <math.h>/&\n#include <stdlib.h>/; s/rule->lower/(rule->lower != (getenv("CORNER") != NULL))/g
     s/rule->largest/(rule->largest != (getenv("NORM") != NULL))/; s/rule->logarithm == LOGARITHM_LINEAR/& \&\& !getenv("EXACT")/'
 . raster/gl/static.sh

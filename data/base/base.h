@@ -130,9 +130,8 @@ struct progress_line {
 /* Begins a line. Returns true if it is to be shown: standard error is a terminal, and `quiet` is
  * not set. */
 bool progress_start(struct progress_line *out, bool quiet);
-/* Shows that `done` of `all` steps are done. Removes the line after the last one. The context is a
- * struct progress_line. */
-void progress_show(void *context, long done, long all);
+/* Shows that `done` of `all` steps are done. Removes the line after the last one. */
+void progress_show(struct progress_line *line, long done, long all);
 uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unknown */
 
 /* ---- loop.c ---- */
@@ -241,9 +240,10 @@ bool is_interrupted(void); /* such a signal waits */
 /* A job fills in `out`, of the size that process_run has. */
 typedef bool process_job(void *context, void *out, struct error *err);
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
- * limit_s: ends a job that takes more seconds; 0: none is too slow. What the job has read counts as
- * read by this process: see file_was_read. No other thread of this process runs now, and it starts
- * no OpenGL: a copy of a process has none of its threads, and OpenGL would wait for them. */
+ * limit_s: ends a job that takes more seconds; 0: none is too slow. What the job reads is no input
+ * of this process, which must read it before, if no output may replace it: see file_was_read. No
+ * other thread of this process runs now, and it starts no OpenGL: a copy of a process has none of
+ * its threads, and OpenGL would wait for them. */
 bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
                  struct error *err);
 

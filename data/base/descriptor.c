@@ -47,31 +47,25 @@ bool write_all(int descriptor, const void *bytes, size_t length)
 
 static struct {
     pthread_mutex_t lock;
-    struct file_identity *list;
+    struct file_identity {
+        dev_t device;
+        ino_t inode;
+    } * list;
     int n;
 } were_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
-
-bool files_read_add(const struct file_identity *file, struct error *err)
-{
-    pthread_mutex_lock(&were_read.lock);
-    const bool done = array_add(&were_read.list, &were_read.n, file, sizeof *file, err);
-    pthread_mutex_unlock(&were_read.lock);
-    return done;
-}
 
 bool file_note_read(int descriptor, struct error *err)
 {
     struct stat status;
     if (fstat(descriptor, &status) != 0)
         return error_system(err, "cannot examine an open file");
-    const struct file_identity file = {(uint64_t)status.st_dev, (uint64_t)status.st_ino};
-    return !S_ISREG(status.st_mode) || files_read_add(&file, err);
-}
-
-const struct file_identity *files_read(int *n)
-{
-    *n = were_read.n;
-    return were_read.list;
+    const struct file_identity file = {status.st_dev, status.st_ino};
+    if (!S_ISREG(status.st_mode))
+        return true;
+    pthread_mutex_lock(&were_read.lock);
+    const bool done = array_add(&were_read.list, &were_read.n, &file, sizeof file, err);
+    pthread_mutex_unlock(&were_read.lock);
+    return done;
 }
 
 void files_read_forget(void)
@@ -87,8 +81,7 @@ bool file_was_read(const char *path)
     if (stat(path, &status) != 0)
         return false;
     for (int i = 0; i < were_read.n; i++)
-        if (were_read.list[i].device == (uint64_t)status.st_dev &&
-            were_read.list[i].inode == (uint64_t)status.st_ino)
+        if (were_read.list[i].device == status.st_dev && were_read.list[i].inode == status.st_ino)
             return true;
     return false;
 }

@@ -23,15 +23,13 @@ static struct {
 } guard;
 
 static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
-static const struct {
-    int number;
-    const char *message;
-} crashes[] = {
-    {SIGSEGV, "error: the program crashed: Segmentation fault"},
-    {SIGBUS, "error: the program crashed: Bus error"},
-    {SIGFPE, "error: the program crashed: Floating point exception"},
-    {SIGILL, "error: the program crashed: Illegal instruction"},
-    {SIGABRT, "error: a library aborted the program"},
+/* The messages of signals that mean a crash, by their numbers; NULL: of all others. */
+static const char *const crashes[] = {
+    [SIGSEGV] = "error: the program crashed: Segmentation fault",
+    [SIGBUS] = "error: the program crashed: Bus error",
+    [SIGFPE] = "error: the program crashed: Floating point exception",
+    [SIGILL] = "error: the program crashed: Illegal instruction",
+    [SIGABRT] = "error: a library aborted the program",
 };
 enum { ENDING_SIGNALS = 3, CRASHES = sizeof crashes / sizeof *crashes };
 
@@ -73,10 +71,7 @@ static void end_with(const char *message)
 
 static void end_crashed(int number)
 {
-    int i = 0;
-    while (i < CRASHES - 1 && crashes[i].number != number)
-        i++;
-    end_with(crashes[i].message);
+    end_with(crashes[number]);
 }
 
 /* A library called exit. */
@@ -124,7 +119,8 @@ void guard_begin(void)
     for (int i = 0; i < ENDING_SIGNALS; i++)
         handle(ending_signals[i], end_by);
     for (int i = 0; i < CRASHES; i++)
-        handle(crashes[i].number, end_crashed);
+        if (crashes[i])
+            handle(i, end_crashed);
     signal(SIGCHLD, SIG_DFL); /* a process that ignores it cannot wait for another */
 }
 
@@ -193,7 +189,8 @@ bool guard_child(pid_t parent)
     for (int i = 0; i < MOST_NAMES; i++)
         guard.names[i][0] = '\0';
     for (int i = 0; i < CRASHES; i++)
-        signal(crashes[i].number, SIG_DFL);
+        if (crashes[i])
+            signal(i, SIG_DFL);
     guard.child = 0;
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);

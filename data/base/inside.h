@@ -7,13 +7,6 @@
 
 /* ---- descriptor.c: the files that this process has opened for reading ---- */
 
-struct file_identity {
-    uint64_t device, inode;
-};
-
-/* For a process that reads in place of another: the files noted so far; and one more. */
-const struct file_identity *files_read(int *n);
-bool files_read_add(const struct file_identity *file, struct error *err);
 void files_read_forget(void); /* for tests, which write and read one file again and again */
 
 /* ---- loop.c ---- */

@@ -54,69 +54,41 @@ static bool child_failed(int status, struct error *err)
 
 /* ---- a job ---- */
 
-/* The job sends this first, then the files that it has read, then its own bytes. */
-struct reply {
-    bool done;
-    int n_read;
-    struct error err;
-};
-
 /* Fails if the pipe ends before the last byte. */
 static bool read_all(int from, void *bytes, size_t length)
 {
     return read_at(from, bytes, length, OWN_PLACE) == (ssize_t)length;
 }
 
-/* Takes over the files that the job has read. */
-static bool read_files(int from, int n, struct error *err)
-{
-    bool done = true;
-    for (struct file_identity file; done && n > 0; n--)
-        done = read_all(from, &file, sizeof file) && files_read_add(&file, err);
-    return done;
-}
-
-/* Sends a result, and the files that were read since there were `before`. */
-static bool send(int to, struct reply *reply, int before, const void *out, size_t size)
-{
-    const struct file_identity *files = files_read(&reply->n_read);
-    reply->n_read -= before;
-    const size_t files_size = (size_t)reply->n_read * sizeof *files;
-    return write_all(to, reply, sizeof *reply) &&
-           (files_size == 0 || write_all(to, files + before, files_size)) &&
-           write_all(to, out, size);
-}
-
-/* Reads the job's result, and waits until its process ends. */
+/* Reads the job's failure, if any, and its bytes, and waits until its process ends. */
 static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
 {
-    struct reply reply;
+    struct error failure;
     int status = 0;
-    const bool whole = read_all(from, &reply, sizeof reply) &&
-                       read_files(from, reply.n_read, err) && read_all(from, out, size);
+    const bool whole = read_all(from, &failure, sizeof failure) && read_all(from, out, size);
     if (!child_end(child, from, &status, err))
         return false;
     if (!whole)
         return child_failed(status, err);
-    if (!reply.done)
-        *err = reply.err;
-    return reply.done;
+    if (failure.status == EXIT_AGREED)
+        return true;
+    *err = failure;
+    return false;
 }
 
 bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
                  struct error *err)
 {
     pid_t child;
-    int end, before;
-    files_read(&before);
+    int end;
     if (!child_start(&child, &end, err))
         return false;
     if (child == 0) {
-        struct reply reply = {.done = false};
+        struct error failure = {.status = EXIT_AGREED};
         signal(SIGALRM, SIG_DFL);
         alarm(limit_s);
-        reply.done = job(context, out, &reply.err);
-        _exit(!send(end, &reply, before, out, size));
+        job(context, out, &failure);
+        _exit(!(write_all(end, &failure, sizeof failure) && write_all(end, out, size)));
     }
     return await(child, end, out, size, err);
 }

@@ -32,9 +32,8 @@ bool progress_start(struct progress_line *out, bool quiet)
     return !quiet && isatty(STDERR_FILENO);
 }
 
-void progress_show(void *context, long done, long all)
+void progress_show(struct progress_line *line, long done, long all)
 {
-    struct progress_line *line = context;
     double time = clock_seconds(), elapsed = time - line->start;
     if (done == all)
         fprintf(stderr, "\r%40s\r", "");

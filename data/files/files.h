@@ -115,9 +115,9 @@ struct outputs {
     struct output *list; /* complete; they and the list are owned */
     int n;
 };
-/* Passes a complete output, which is zeroed, to a command's outputs. NULL: lets it appear at once.
- * A copy is made at once in any case. After a failure it is discarded, and no temporary file is
- * left. */
+/* Passes a complete output, which is zeroed, to a command's outputs. NULL: lets it appear at once,
+ * in a folder that nobody keeps yet; the caller holds signals back. A copy is made at once in any
+ * case. After a failure it is discarded, and no temporary file is left. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
 /* Finds the name by which the output of a path can be read before it is committed; NULL: it is none
  * of the first n. Fails only where the system does. */

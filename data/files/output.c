@@ -118,18 +118,6 @@ void folder_sync(const char *path)
     free(folder);
 }
 
-static bool commit_name(struct output *out, struct error *err)
-{
-    if (!spares_inputs(out->path, err))
-        return false;
-    guard_hold();
-    const bool done = temporary_name(out, out->path) || write_fault(err, out->path);
-    guard_release();
-    if (done)
-        folder_sync(out->path);
-    return done;
-}
-
 static bool copy_bytes(int from, int to)
 {
     char buffer[1 << 16];
@@ -161,7 +149,10 @@ static bool commit_copy(struct output *out, struct error *err)
 
 static bool commit(struct output *out, struct error *err)
 {
-    const bool done = out->copied ? commit_copy(out, err) : commit_name(out, err);
+    const bool done = out->copied ? commit_copy(out, err)
+                                  : temporary_name(out, out->path) || write_fault(err, out->path);
+    if (done && !out->copied)
+        folder_sync(out->path);
     output_discard(out);
     return done;
 }

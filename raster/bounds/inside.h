@@ -19,7 +19,7 @@ bool exact_product(const struct matrix *a, const struct matrix *b);
 double distance_from_rigid(const struct matrix *m);
 /* Adds a vertex's bounds to the surface's errors; e_eye bounds its place in eye space. They are
  * infinite where a weight has no bound. */
-void light_bounds(const struct lit_scene *lit, int surface, int index, double e_eye,
+void light_bounds(const struct lit_scene *lit, const struct surface *of, int index, double e_eye,
                   struct light_work *work);
 
 /* ---- facing.c: on which side a triangle is seen ---- */

@@ -302,12 +302,11 @@ float *group_weights(const struct surface *surface, const struct surface_bounds 
 }
 
 /* OpenGL rounds texture coordinates once. */
-void light_bounds(const struct lit_scene *lit, int surface, int index, double e_eye,
+void light_bounds(const struct lit_scene *lit, const struct surface *of, int index, double e_eye,
                   struct light_work *work)
 {
     const struct view *view = &lit->plan->view;
-    const struct surface *of = &lit->surfaces[surface];
-    const struct surface_bounds *bounds = &lit->bounds[surface];
+    const struct surface_bounds *bounds = &lit->bounds[of - lit->surfaces];
     const struct vertex *point = &of->instance->vertices[index];
     struct vertex_view vertex = {.view = view,
                                  .instance = of->instance,

@@ -91,14 +91,12 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 
 /* A surface whose vertices are being lit and bounded. */
 struct bounding {
-    const struct lit_scene *lit;
-    int surface_index;
+    struct lit_scene *lit;
     struct surface *surface;
     struct surface_bounds *bounds;
     struct matrix product;
     bool may_be_exact;
-    pthread_mutex_t lock; /* of the work */
-    struct light_work work;
+    pthread_mutex_t lock; /* of lit->work */
 };
 
 /* A vertex out of view needs no bounds: OpenGL does not get it. */
@@ -123,7 +121,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     double e_eye =
         roundings(EYE_ROUNDINGS) * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
     if (!of->lit->are_volumes)
-        light_bounds(of->lit, of->surface_index, index, e_eye, work);
+        light_bounds(of->lit, of->surface, index, e_eye, work);
 }
 
 /* ---- refusals ---- */
@@ -277,7 +275,7 @@ static void make_vertices(void *context, size_t first, size_t end)
     for (size_t i = first; i < end; i++)
         make_vertex(of, (int)i, &work);
     pthread_mutex_lock(&of->lock);
-    light_work_add(&of->work, &work);
+    light_work_add(&of->lit->work, &work);
     pthread_mutex_unlock(&of->lock);
 }
 
@@ -286,7 +284,6 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     const struct placed_instance *placed = &lit->instances[index];
     const bool checks_near = lit->plan->scene->camera.perspective && !lit->are_volumes;
     struct bounding of = {.lit = lit,
-                          .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
                           .lock = PTHREAD_MUTEX_INITIALIZER};
@@ -295,7 +292,6 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     of.may_be_exact = may_be_exact(lit, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
-    light_work_add(&lit->work, &of.work);
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;

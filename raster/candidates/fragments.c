@@ -382,12 +382,6 @@ static bool is_own_cap(const struct visit *visit, const struct bounded_triangle 
                         triangle->screen.triangle);
 }
 
-/* Returns whether a facet belongs to the far end. */
-static bool is_far(const struct volume *volume, int facet)
-{
-    return facet >= volume->first_far && facet < volume->n_outward;
-}
-
 /* Returns whether a facet meets others at a pixel so that OpenGL may have none of them there, or
  * two. Where the far plane cuts a cap, the edges of its two parts are not those of its sides; and
  * at the plane OpenGL may have the cap, its part beyond, both, or none. farthest: its depth there.
@@ -417,9 +411,8 @@ static bool visit_facet(void *context, int x, int y)
     if (clipped == 0)
         return true;
     is_loose(visit, clipped, &thin);
-    const bool may_end = visit->volume->is_doubtful && is_far(visit->volume, visit->facet);
     const double depth = depth_at(&triangle->screen, &visit->edges),
-                 error = thin || may_end ? HUGE_VAL : triangle->depth_error;
+                 error = thin ? HUGE_VAL : triangle->depth_error;
     const bool leaks = facet_leaks(visit, presence, depth + triangle->depth_error);
     for (int32_t f = visit->pixel->head; f >= 0; f = of->fragments[f].next) {
         struct fragment *fragment = &of->fragments[f];
@@ -440,14 +433,14 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
     struct triangle_part parts[TRIANGLE_PARTS];
     for (int t = 0; t < volume->n; t++) {
         const struct occluder *cap = &volume->caps[t];
-        const bool is_cut = cap->surface >= 0;
+        const bool is_cut = cap->surface >= 0,
+                   is_far = t >= volume->first_far && t < volume->n_outward;
         const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
                                      is_cut ? cap->triangle : t, &of->rows, parts);
         for (int i = 0; i < n; i++) {
             const struct bounded_triangle *bounded = &parts[i].bounded;
             struct visit visit = {.of = of, .volume = volume, .facet = t};
-            if (watertight && is_far(volume, t) && !volume->is_doubtful &&
-                least_of(bounded->screen.z) > 1 + bounded->depth_error)
+            if (watertight && is_far && least_of(bounded->screen.z) > 1 + bounded->depth_error)
                 continue;
             if (!visit_part(&visit, &parts[i], visit_facet))
                 return false;
@@ -457,16 +450,18 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
 }
 
 /* Finds the fragments whose shadows OpenGL may count otherwise: those that a facet of a volume may
- * lie in front of as well as behind. */
+ * lie in front of as well as behind; all, of a volume whose far end may lie too near. */
 static bool doubt_shadows(struct fragments *of)
 {
     const struct volumes *volumes = of->tile->lit->volumes;
     const struct tile tile = {.lit = &volumes->lit, .at = of->tile->at};
     for (int i = 0; i < volumes->n; i++) {
-        if (surface_reaches(&volumes->lit.bounds[i], &of->rows) && !visit_volume(of, &tile, i))
+        const struct volume *volume = &volumes->list[i];
+        for (size_t f = 0; volume->is_doubtful && f < of->n_fragments; f++)
+            of->fragments[f].in_doubt |= (uint32_t)1 << volume->shadowed;
+        if (!volume->is_doubtful && surface_reaches(&volumes->lit.bounds[i], &of->rows) &&
+            !visit_volume(of, &tile, i))
             return false;
-        for (size_t f = 0; volumes->list[i].is_doubtful && f < of->n_fragments; f++)
-            of->fragments[f].in_doubt |= (uint32_t)1 << volumes->list[i].shadowed;
     }
     /* facets before the near plane have depth 0, which is not less than that */
     for (size_t f = 0; f < of->n_fragments; f++)

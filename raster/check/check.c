@@ -213,8 +213,7 @@ static void try_hypothesis(struct check *check, size_t number, int band, float s
     }
     hypothesis->band = band;
     hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
-    hypothesis->floor = fmax(hypothesis->floor, (double)single.bound[0]);
-    hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
+    raise_floors(&single, &hypothesis->floor, &hypothesis->band_floor);
     if (!hypothesis->alive)
         is_outside(&single, 0, band, &hypothesis->failure);
     if (candidate && candidate->loose && !hypothesis->alive) { /* any other explains better */
@@ -324,9 +323,9 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
     samples_add(&check->verdict.samples, &samples);
     if (!best->alive)
         check_fail(check, pixel, &best->failure);
-    check->floor[pixel] = !candidate ? -1 : candidate->loose ? HUGE_VALF : (float)best->floor;
+    check->floor[pixel] = !candidate ? -1 : candidate->loose ? HUGE_VALF : best->floor;
     check->band_floor[pixel] =
-        candidate && !candidate->loose ? (float)best->band_floor : check->floor[pixel];
+        candidate && !candidate->loose ? best->band_floor : check->floor[pixel];
     if (check->ratio)
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
     if (lost) {
@@ -410,10 +409,8 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
                 struct error *err)
 {
     *out = (struct check){.scene = scene, .chunk = chunk, .verdict = empty_verdict};
-    if (!allocate(chunk, out, err)) {
-        check_free(out);
+    if (!allocate(chunk, out, err))
         return false;
-    }
     const size_t n = chunk->n_candidates;
     for (size_t i = 0; i < n + chunk->n_ambiguous; i++)
         out->hypotheses[i] =

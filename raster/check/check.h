@@ -189,7 +189,8 @@ struct run settled_run(const struct lit_scene *lit, const struct chunk *chunk, s
                        size_t end, struct textured_sample *textured);
 struct run candidate_run(const struct lit_scene *lit, const struct chunk *chunk,
                          const struct candidate *candidate, struct textured_sample *textured);
-/* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */
+/* Opens the check of a chunk. Scene and chunk must outlive it. check_free accepts what a failure
+ * left. */
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err);
 /* Judges triangles, depths and fragments that the renderer has identified in this tile; to be

@@ -6,11 +6,11 @@
 
 #include "raster/check/inside.h"
 
-int pilot_pass(const struct fit *fit, int pass)
+int pilot_of(const struct fit *fit, int band)
 {
     for (int p = 0; p < fit->n_passes; p++)
-        if (fit->passes[p] == pass)
-            return p;
+        if (fit->passes[p] == band / BANDS_PER_PASS)
+            return p * BANDS_PER_PASS + band % BANDS_PER_PASS;
     return -1;
 }
 
@@ -139,7 +139,9 @@ static bool choose_pass(struct fit *fit, struct knowledge *known)
     double largest = 0;
     int best = -1, at;
     for (int pass = 0; pass < fit->plan->n_passes; pass++) {
-        double most = 0, worth = pilot_pass(fit, pass) >= 0 ? 0 : worth_of(fit, known, pass, &most);
+        double most = 0;
+        const bool is_chosen = pilot_of(fit, pass * BANDS_PER_PASS) >= 0;
+        const double worth = is_chosen ? 0 : worth_of(fit, known, pass, &most);
         if (worth > largest && most > binary_logarithm(worthwhile)) {
             largest = worth;
             best = pass;
@@ -300,7 +302,7 @@ static void estimate_place(const struct slope *slope, const float *sums, size_t 
 static void place_explain(const struct fit *fit, const struct run *run, int band,
                           const float *estimate, struct fit_block *out)
 {
-    const bool is_pilot = pilot_pass(fit, band / BANDS_PER_PASS) >= 0;
+    const bool is_pilot = pilot_of(fit, band) >= 0;
     const int m = unknowns_of(run->shaded);
     const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(m);
     for (size_t i = 0; i < run->n; i++) {
@@ -346,12 +348,11 @@ static bool make_gains(const struct fit *fit, struct material_fit *of, struct er
  * are relative to. */
 struct influence {
     double h[MOST_PILOTS], size[MOST_PILOTS], sum;
-    int itself; /* the pilot that is this band; -1: none */
 };
 
 static struct influence influence_on(const struct fit *fit, const struct material_fit *of, int band)
 {
-    struct influence out = {.itself = -1};
+    struct influence out = {.sum = 0};
     for (int k = 0; k < fit->n_pilots; k++) {
         for (int t = 0; t < of->n_terms; t++) {
             double part = in_band(of, t, band) * (double)of->gains[k * of->n_terms + t];
@@ -359,8 +360,6 @@ static struct influence influence_on(const struct fit *fit, const struct materia
             out.size[k] += fabs(part);
         }
         out.sum += fabs(out.h[k]);
-        if (fit->pilots[k] == band)
-            out.itself = k;
     }
     return out;
 }
@@ -368,13 +367,11 @@ static struct influence influence_on(const struct fit *fit, const struct materia
 double fit_leaves(const struct fit *fit, const struct shaded_material *shaded, int from, int band)
 {
     const struct material_fit *of = &fit->materials[shaded - fit->plan->materials];
-    const int pass = pilot_pass(fit, from / BANDS_PER_PASS);
+    const int pilot = pilot_of(fit, from);
     const double itself = from == band;
     if (has_places(shaded))
         return (double)NAN;
-    if (pass < 0)
-        return itself;
-    return itself - influence_on(fit, of, band).h[pass * BANDS_PER_PASS + from % BANDS_PER_PASS];
+    return pilot < 0 ? itself : itself - influence_on(fit, of, band).h[pilot];
 }
 
 /* A rest of errors that is not worth a loop over terms. */
@@ -387,7 +384,8 @@ static void bound_band(const struct fit *fit, struct material_fit *of, int band)
 {
     struct influence by = influence_on(fit, of, band);
     struct band_fit *out = &of->bands[band];
-    double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
+    const int itself = pilot_of(fit, band);
+    const double kept = itself < 0 ? 1 : 1 - by.h[itself];
     bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
     out->scale = fitted ? (float)(1 / kept) : 0;
     out->flushed = (float)(FLUSHED_COUNTS * (1 + by.sum));
@@ -395,7 +393,7 @@ static void bound_band(const struct fit *fit, struct material_fit *of, int band)
         double s = in_band(of, t, band), own = s * fabs(kept), rest = s, rounding = 0;
         for (int k = 0; k < fit->n_pilots; k++) {
             double of_pilot = in_band(of, t, fit->pilots[k]);
-            own += k == by.itself ? 0 : fabs(by.h[k]) * of_pilot;
+            own += k == itself ? 0 : fabs(by.h[k]) * of_pilot;
             rest -= by.h[k] * of_pilot;
             rounding += by.size[k] * of_pilot;
         }
@@ -485,9 +483,7 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
         place_add(run, difference, estimate);
         return;
     }
-    const size_t pilot =
-        (size_t)(pilot_pass(fit, band / BANDS_PER_PASS) * BANDS_PER_PASS + band % BANDS_PER_PASS);
-    const float *gains = material_of(fit, run)->gains + pilot * n_terms;
+    const float *gains = material_of(fit, run)->gains + (size_t)pilot_of(fit, band) * n_terms;
     for (size_t t = 0; t < n_terms; t++)
         for (size_t i = 0; i < run->n; i++)
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];

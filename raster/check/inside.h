@@ -11,8 +11,8 @@ struct fit_block {
     float explained[BLOCK], limit[BLOCK], floor[BLOCK];
 };
 
-/* Returns the number of a pass with pilots; -1: it has none. */
-int pilot_pass(const struct fit *fit, int pass);
+/* Returns the number of the pilot that is a band; -1: the band is none. */
+int pilot_of(const struct fit *fit, int band);
 /* Numbers of an estimate: of a pixel, at most; of a run's material. */
 int fit_rows(const struct plan *plan);
 /* Adds what a pilot band says to the estimate of a run's errors; numbers are as far apart as the
@@ -67,7 +67,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
 struct hypothesis {
     bool alive;
     struct check_samples samples;
-    double floor, band_floor; /* the largest errors that could pass */
+    float floor, band_floor; /* the largest errors that could pass */
     struct check_failure failure;
     int band; /* the last one; -1: OpenGL shows another candidate */
 };

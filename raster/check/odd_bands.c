@@ -77,7 +77,7 @@ void find_odd_bands(struct check *check)
     const int n_passes = check->scene->lit->plan->n_passes, own = failure->band / BANDS_PER_PASS;
     for (int size = 1; size <= BANDS_PER_PASS && failure->n_odd == 0; size += BANDS_PER_PASS - 1)
         for (int pass = 0; pass < n_passes; pass++)
-            if (pass == own || pilot_pass(&check->scene->fit, pass) >= 0)
+            if (pass == own || pilot_of(&check->scene->fit, pass * BANDS_PER_PASS) >= 0)
                 add_odd(check, pass, size, failure);
     failure->n_odd = failure->n_odd > MOST_ODD ? 0 : failure->n_odd;
 }

@@ -26,36 +26,31 @@ double buffer_rounding(const struct plan *plan)
 
 /* ---- expected samples ---- */
 
-/* Multiplies sample i of a run by its texture. */
-static void texture_sample(const struct run *run, const struct texels *texels, float e_weights,
-                           size_t i, double *expected, float *bound)
-{
-    const size_t first = (size_t)run->shaded->n_terms * run->stride + i;
-    struct texel_point at = {.e_weights = e_weights};
-    plan_place(texels, run->rows + first, run->stride, at.place);
-    if (!run->errors) {
-        expected[i] *= texel_at(texels, at.place);
-        return;
-    }
-    for (int k = 0; k < place_rows(texels); k++)
-        at.e_place[k] = run->errors[first + (size_t)k * run->stride];
-    struct textured_sample *sample = &run->textured[i];
-    texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
-    sample->radiance = expected[i];
-    sample->error = (double)bound[i];
-    bound[i] = (float)(sample->error * (sample->texel.value + sample->texel.error) +
-                       fabs(sample->radiance) * sample->texel.error);
-    expected[i] *= sample->texel.value;
-}
-
 /* Multiplies the samples of a run by the values of its spectral texture in this band. */
 static void apply_texture(const struct lit_scene *lit, const struct run *run, int band,
                           double *expected, float *bound)
 {
-    const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
+    const struct texture *texture = run->shaded->texture;
+    const struct texels texels = plan_texels(texture, band % BANDS_PER_PASS);
     const float e_weights = texel_weights_error(&texels, lit->driver);
-    for (size_t i = 0; i < run->n; i++)
-        texture_sample(run, &texels, e_weights, i, expected, bound);
+    for (size_t i = 0; i < run->n; i++) {
+        const size_t first = (size_t)run->shaded->n_terms * run->stride + i;
+        struct texel_point at = {.e_weights = e_weights};
+        plan_place(&texels, run->rows + first, run->stride, at.place);
+        if (!run->errors) {
+            expected[i] *= texel_at(&texels, at.place);
+            continue;
+        }
+        for (int k = 0; k < place_rows(&texels); k++)
+            at.e_place[k] = run->errors[first + (size_t)k * run->stride];
+        struct textured_sample *sample = &run->textured[i];
+        texel_value(&texels, &at, texture->largest, &sample->texel);
+        sample->radiance = expected[i];
+        sample->error = (double)bound[i];
+        bound[i] = (float)(sample->error * (sample->texel.value + sample->texel.error) +
+                           fabs(sample->radiance) * sample->texel.error);
+        expected[i] *= sample->texel.value;
+    }
 }
 
 /* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each

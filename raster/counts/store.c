@@ -45,16 +45,6 @@ static void store(const struct stored_band *band, const double *counts, size_t n
 
 /* ---- one picture's positions ---- */
 
-/* Returns how many pixels from `first` on, at most BLOCK and none from `last` on, show the same
- * surface. */
-static size_t run_length(const int32_t *surface, size_t first, size_t last)
-{
-    size_t n = 1;
-    while (n < BLOCK && first + n < last && surface[first + n] == surface[first])
-        n++;
-    return n;
-}
-
 /* Positions of the reference, or of OpenGL if picture is NULL. */
 struct positions {
     const struct picture *picture;
@@ -80,7 +70,9 @@ static void row_counts(const struct positions *of, const struct stored_band *ban
         const int32_t surface = picture->surface[first + i];
         run.shaded = surface >= 0 ? band->lit->bounds[surface].shaded : NULL;
         run.rows = picture->rows + first + i;
-        run.n = run_length(picture->surface, first + i, first + n);
+        run.n = 1;
+        while (i + run.n < n && picture->surface[first + i + run.n] == surface)
+            run.n++;
         expect_counts(band->lit, &run, band->band, counts + i, NULL);
     }
 }

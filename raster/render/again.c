@@ -6,6 +6,31 @@
 
 #include "raster/render/inside.h"
 
+/* ---- options that a stack records ---- */
+
+/* Returns what stands behind the one of these words that an option begins with; NULL: it begins
+ * with none of them. */
+static const char *behind(const char *option, const char *const *words)
+{
+    for (; *words; words++)
+        if (strncmp(option, *words, strlen(*words)) == 0)
+            return option + strlen(*words);
+    return NULL;
+}
+
+void options_forget_check(struct options *options)
+{
+    static const char *const of_check[] = {
+        "--no-check", "--strict", "--unchecked=", "--gl=", "--buffer=", NULL};
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (behind(options->recorded[i], of_check))
+            free(options->recorded[i]);
+        else
+            options->recorded[n++] = options->recorded[i];
+    options->n_recorded = n;
+}
+
 /* Takes from the record all options that decide the picture, and the others from the command line.
  * The caller frees *out, also after a failure. */
 static bool again_options(const struct options *options, const struct record *record,
@@ -74,15 +99,11 @@ static bool is_trusted(const char *stack, const char *file, struct error *err)
  * it names none. */
 static const char *named_by(const char *option)
 {
-    static const char *const naming[] = {"--light=", "--ambient=", "--detector=", "--observer="};
-    for (size_t i = 0; i < sizeof naming / sizeof naming[0]; i++) {
-        if (strncmp(option, naming[i], strlen(naming[i])) != 0)
-            continue;
-        const char *value = option + strlen(naming[i]);
-        const size_t digits = strspn(value, "0123456789");
-        return digits > 0 && value[digits] == '=' ? value + digits + 1 : value;
-    }
-    return NULL;
+    static const char *const naming[] = {
+        "--light=", "--ambient=", "--detector=", "--observer=", NULL};
+    const char *value = behind(option, naming);
+    const size_t digits = value ? strspn(value, "0123456789") : 0;
+    return digits > 0 && value[digits] == '=' ? value + digits + 1 : value;
 }
 
 /* Checks the file, with and without the factor behind it. */

@@ -181,9 +181,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     const struct render_options *own = options->own;
     struct render_job job = {.limits = {false, 0}};
     struct render_output complete = *output;
-    complete.recorded = options->recorded;
-    complete.n_recorded = options->n_recorded;
-    complete.detector = options->detector;
+    complete.options = options;
     complete.limits = &job.limits;
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
     struct rendered rendered = {
@@ -201,21 +199,6 @@ bool render_with_options(const struct options *options, const struct render_outp
 }
 
 /* ---- the command ---- */
-
-void options_forget_check(struct options *options)
-{
-    int n = 0;
-    for (int i = 0; i < options->n_recorded; i++)
-        if (strcmp(options->recorded[i], "--no-check") == 0 ||
-            strcmp(options->recorded[i], "--strict") == 0 ||
-            strncmp(options->recorded[i], "--unchecked=", strlen("--unchecked=")) == 0 ||
-            strncmp(options->recorded[i], "--gl=", strlen("--gl=")) == 0 ||
-            strncmp(options->recorded[i], "--buffer=", strlen("--buffer=")) == 0)
-            free(options->recorded[i]);
-        else
-            options->recorded[n++] = options->recorded[i];
-    options->n_recorded = n;
-}
 
 /* Reads "3/7", the number of a part and how many there are. */
 static bool part_read(const char *value, struct picture_part *out, struct error *err)

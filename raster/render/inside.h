@@ -83,15 +83,15 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
 /* Puts all figures. */
 void report_put(const struct plan *plan, const struct render_result *result, struct json *json);
-/* Removes those options from what the stack records that decide how it is checked, and by which
- * OpenGL. A stack of the reference's pixels is the same with any check. */
-void options_forget_check(struct options *options);
 
 /* ---- again.c: spectral render --again ---- */
 
 /* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
  * any byte of the new stack differs. */
 bool render_again(struct options *options, struct error *err);
+/* Removes those options from what the stack records that decide how it is checked, and by which
+ * OpenGL. A stack of the reference's pixels is the same with any check. */
+void options_forget_check(struct options *options);
 
 /* ---- job.c ---- */
 

@@ -96,15 +96,16 @@ static char *make_provenance(const struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
     const struct part_rows *rows = &of->result->rows;
+    const struct options *options = of->output->options;
     const struct recorded made = {.scene = plan->scene,
                                   .sampling = plan->sampling,
-                                  .detector = of->output->detector,
+                                  .detector = options->detector,
                                   .renderer = render_stored(plan, of->result),
                                   .mipmaps = !plan_has_mipmaps(plan)      ? NULL
                                              : plan->options.store_raster ? "specification"
                                                                           : of->result->driver.name,
-                                  .options = of->output->recorded,
-                                  .n_options = of->output->n_recorded};
+                                  .options = options->recorded,
+                                  .n_options = options->n_recorded};
     struct printed lines = {.text = NULL};
     record_put_scene(&lines, &made, err);
     for (int i = 0; i < plan->n_instances && plan->map_bytes > 0; i++)
@@ -179,19 +180,6 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
 
 /* ---- everything after the last pixel ---- */
 
-/* Completes the result. */
-static void take_results(struct rendering *of)
-{
-    struct render_result *result = of->result;
-    if (of->renderer)
-        result->gl = of->renderer->work;
-    if (of->check_scene.lit) {
-        totals_finish(&of->totals);
-        result->check = of->totals.verdict;
-        result->check.lacks = of->renderer->lacks;
-    }
-}
-
 /* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
  * or is kept anyway. */
 static bool finish_stack(struct rendering *of, struct error *err)
@@ -221,12 +209,19 @@ static bool finish_stack(struct rendering *of, struct error *err)
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
+    struct render_result *result = of->result;
     of->since = clock_seconds();
-    take_results(of);
+    if (of->renderer)
+        result->gl = of->renderer->work;
+    if (of->check_scene.lit) {
+        totals_finish(&of->totals);
+        result->check = of->totals.verdict;
+        result->check.lacks = of->renderer->lacks;
+    }
     if ((of->check_scene.mapped && !picture_finish(&of->map.picture, err)) ||
         (output->path && !finish_stack(of, err)))
         return false;
-    clock_in(&of->since, &of->result->seconds.write);
+    clock_in(&of->since, &result->seconds.write);
     return !of->check_scene.mapped ||
            output_pass(&of->map.picture.pages.output, output->outputs, err);
 }

@@ -99,11 +99,9 @@ struct render_output {
     const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */
     bool keep;         /* store the stack even if it fails its check or differs from `again` */
     bool discard;      /* compare the stack with `again`, and store none */
-    struct outputs *outputs; /* get all files; NULL: they appear at once */
-    struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
-    char *const *recorded;   /* n_recorded options for the record of the stack */
-    int n_recorded;
-    const char *detector;                 /* of its sampling; NULL: none was given */
+    struct outputs *outputs;              /* get all files */
+    struct notes *notes;                  /* as notes_make takes them; NULL: none are wanted */
+    const struct options *options;        /* for the record of the stack, if there is one */
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
     struct picture_part {                 /* draws these rows of tiles; count 0: all */
         int number, count;                /* from 1 */

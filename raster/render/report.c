@@ -289,10 +289,16 @@ static void json_seconds(struct json *json, const struct part_seconds *seconds)
     json_close(json, '}');
 }
 
-/* Puts the work, the check and what comes after them. */
-static void put_figures(const struct plan *plan, const struct render_result *result,
-                        struct json *json)
+void report_put(const struct plan *plan, const struct render_result *result, struct json *json)
 {
+    if (!json->words) {
+        json_picture(json, plan, result);
+        json_effects(json, plan);
+    } else {
+        json_number(json, "full_scale", result->full_scale);
+        if (plan->options.check && driver_is_known(&result->driver))
+            print_bounds(&result->driver, &json->printed);
+    }
     json_work(json, plan, result);
     if (!json->words)
         json_string(json, "verdict", verdict_word(plan, &result->check));
@@ -306,17 +312,4 @@ static void put_figures(const struct plan *plan, const struct render_result *res
     json_part(json, &result->rows);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);
-}
-
-void report_put(const struct plan *plan, const struct render_result *result, struct json *json)
-{
-    if (!json->words) {
-        json_picture(json, plan, result);
-        json_effects(json, plan);
-    } else {
-        json_number(json, "full_scale", result->full_scale);
-        if (plan->options.check && driver_is_known(&result->driver))
-            print_bounds(&result->driver, &json->printed);
-    }
-    put_figures(plan, result, json);
 }

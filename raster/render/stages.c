@@ -54,19 +54,6 @@ static long frame_number(const struct state *state, int tile, int frame)
 
 /* ---- drawing by OpenGL ---- */
 
-static bool draw_numbers(struct state *state, int tile, struct error *err)
-{
-    if (places_wait(&state->numbers, 0) < 0)
-        return false;
-    struct renderer *renderer = state->of->renderer;
-    double since = clock_seconds();
-    if (renderer->kind->identify && !renderer->kind->identify(renderer, err))
-        return false;
-    clock_in(&since, &state->of->result->seconds.gl);
-    places_set(&state->numbers, 0, tile + 1);
-    return true;
-}
-
 /* Waits for free places, and draws the frames of a batch there. */
 static bool draw_batch(struct state *state, int tile, struct frame_batch *batch, struct error *err)
 {
@@ -88,14 +75,23 @@ static bool draw_batch(struct state *state, int tile, struct frame_batch *batch,
     return true;
 }
 
-/* Aims at the next tile, and draws its numbers. */
-static bool draw_first(struct state *state, struct error *err)
+/* Aims at the next tile, and draws its numbers for a check. */
+static bool draw_numbers(struct state *state, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
     const struct rectangle at = plan_tile(state->plan, &state->of->region, state->drawing);
     if (renderer->kind->aim)
         renderer->kind->aim(renderer, &at);
-    return !state->plan->options.check || draw_numbers(state, state->drawing, err);
+    if (!state->plan->options.check)
+        return true;
+    if (places_wait(&state->numbers, 0) < 0)
+        return false;
+    double since = clock_seconds();
+    if (renderer->kind->identify && !renderer->kind->identify(renderer, err))
+        return false;
+    clock_in(&since, &state->of->result->seconds.gl);
+    places_set(&state->numbers, 0, state->drawing + 1);
+    return true;
 }
 
 /* Draws the numbers of a tile, or its next batch of frames: see struct pipeline. */
@@ -108,7 +104,7 @@ static bool draw_next(void *context, struct error *err)
         return false;
     bool done;
     if (state->drawn < 0) {
-        done = draw_first(state, err);
+        done = draw_numbers(state, err);
         state->drawn = 0;
     } else {
         while (batch.n < state->of->renderer->n_at_once && state->drawn < n_frames)
@@ -275,26 +271,22 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
     return true;
 }
 
-/* Adds a tile's checks to the verdict and to the map. */
-static bool settle_checks(struct state *state, const struct tile *tile, struct error *err)
+/* Adds a tile's checks to the verdict and to the map, unless the tile has failed; and frees them.
+ */
+static bool end_checks(struct state *state, const struct tile *tile, bool done, struct error *err)
 {
     double since = clock_seconds();
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
-        check_settle(&state->checks[i], tile, &state->of->totals);
-        if (state->of->check_scene.mapped &&
-            !check_map_write(&state->of->map, &state->checks[i], err))
-            return false;
-    }
-    clock_in(&since, &state->of->result->seconds.check);
-    return true;
-}
-
-static void close_checks(struct state *state, const struct tile *tile)
-{
-    for (int i = 0; state->checks && i < tile->n_chunks; i++)
+        if (done)
+            check_settle(&state->checks[i], tile, &state->of->totals);
+        if (done && state->of->check_scene.mapped)
+            done = check_map_write(&state->of->map, &state->checks[i], err);
         check_free(&state->checks[i]);
+    }
     free(state->checks);
     state->checks = NULL;
+    clock_in(&since, &state->of->result->seconds.check);
+    return done;
 }
 
 /* ---- the frame of a pass ---- */
@@ -464,8 +456,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
             progress_show(state->of->progress, (long)state->tile * n_passes + pass + 1, all);
     }
     leave_frame(state);
-    done = done && settle_checks(state, tile, err);
-    close_checks(state, tile);
+    done = end_checks(state, tile, done, err);
     state->since = clock_seconds();
     state->tile++;
     return done;
@@ -498,13 +489,6 @@ static bool allocate(struct state *state, struct error *err)
     return true;
 }
 
-static void release(struct state *state)
-{
-    FREE_ALL(state->black, state->first_bands);
-    for (int i = 0; i < BANDS_PER_PASS; i++)
-        FREE_ALL(state->counted.samples[i], state->written.samples[i]);
-}
-
 bool stages_run(struct rendering *of, struct error *err)
 {
     struct state state = {.of = of, .plan = of->plan, .frame = DARK, .drawn = -1};
@@ -521,6 +505,8 @@ bool stages_run(struct rendering *of, struct error *err)
         done = pipeline_run(&pipeline, err);
     else
         done = done && treat_tiles(&state, err);
-    release(&state);
+    FREE_ALL(state.black, state.first_bands);
+    for (int i = 0; i < BANDS_PER_PASS; i++)
+        FREE_ALL(state.counted.samples[i], state.written.samples[i]);
     return done;
 }

@@ -193,13 +193,18 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
     }
 }
 
-/* Describes the first pixel that differs. */
-static bool report_pixel(const struct plan *plan, const struct check_verdict *verdict,
+bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
                          const char *then, struct error *err)
 {
     const struct check_failure *first = &verdict->first;
     const int side = plan->scene->positions;
-    char where[256], what[320], position[64] = "";
+    char reason[768], where[256], what[320], position[64] = "";
+    if (verdict->unexplained == 0) {
+        reason_text(plan, verdict, reason, sizeof reason);
+        return error_different(
+            err, "%s: %s%s",
+            is_biased(verdict) ? "the pictures differ" : verdict_word(plan, verdict), reason, then);
+    }
     object_text(plan, first->surface, where, sizeof where);
     if (side > 1)
         snprintf(position, sizeof position, " (its position %d,%d)", first->x % side,
@@ -209,18 +214,6 @@ static bool report_pixel(const struct plan *plan, const struct check_verdict *ve
         err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s%s",
         (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
         first->x / side, first->y / side, position, where, what, then);
-}
-
-bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
-                         const char *then, struct error *err)
-{
-    char reason[768];
-    if (verdict->unexplained > 0)
-        return report_pixel(plan, verdict, then, err);
-    reason_text(plan, verdict, reason, sizeof reason);
-    return error_different(err, "%s: %s%s",
-                           is_biased(verdict) ? "the pictures differ" : verdict_word(plan, verdict),
-                           reason, then);
 }
 
 /* Tries the reasons in the order of their certainty. */

@@ -42,19 +42,18 @@ static struct vector row_of(const struct cofactors *of, int column)
     return (struct vector){of->value[0][column], of->value[1][column], of->value[2][column]};
 }
 
-/* The light in the space of an instance's mesh: by Cramer's rule. */
-static struct vector light_in_mesh(const struct instance *instance, const struct eye_light *light)
+/* The light in the space of the object's mesh: by Cramer's rule. */
+static struct vector light_in_mesh(const struct maker *maker)
 {
-    const struct matrix *m = &instance->model_view;
-    const struct vector origin = {m->row[0][3], m->row[1][3], m->row[2][3]};
-    const struct vector v =
-        light->directional ? light->position : vector_subtract(light->position, origin);
-    struct cofactors of;
-    matrix_cofactors(m, &of);
-    const double factor = ldexp(1 / of.determinant, -of.exponent);
-    return (struct vector){factor * vector_dot(row_of(&of, 0), v),
-                           factor * vector_dot(row_of(&of, 1), v),
-                           factor * vector_dot(row_of(&of, 2), v)};
+    const struct matrix *m = &maker->lit->plan->instances[maker->first].instance.model_view;
+    const struct cofactors *of = &maker->lit->bounds[maker->first].cofactors;
+    const struct vector origin = {m->row[0][3], m->row[1][3], m->row[2][3]},
+                        at = maker->light->position,
+                        v = maker->light->directional ? at : vector_subtract(at, origin);
+    const double factor = ldexp(1 / of->determinant, -of->exponent);
+    return (struct vector){factor * vector_dot(row_of(of, 0), v),
+                           factor * vector_dot(row_of(of, 1), v),
+                           factor * vector_dot(row_of(of, 2), v)};
 }
 
 /* The distance of a point from the light; from a directional one, along its rays. */
@@ -422,8 +421,7 @@ static bool make_volume(struct maker *maker, struct cap *caps, int n, int shadow
  * beyond all in view, by as much again for roundings. */
 static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list, struct error *err)
 {
-    const struct placed_instance *instances = maker->lit->plan->instances;
-    maker->towards = light_in_mesh(&instances[maker->first].instance, maker->light);
+    maker->towards = light_in_mesh(maker);
     for (int i = maker->first; i < maker->end; i++)
         if (!list_caps(maker, i, err))
             return false;

@@ -6,9 +6,9 @@
 #include "raster/beside/shader/inside.h"
 
 /* Prints the first lines of a shader. */
-static void program_begin(enum gl_way way, struct printed *to)
+static void program_begin(const struct shader *of, struct printed *to)
 {
-    print_text(to, way == GL_ES
+    print_text(to, of->base.plan->options.gl_way == GL_ES
                        ? "#version 300 es\nprecision highp float;\nprecision highp sampler2D;\n"
                        : "#version 330 core\n");
 }
@@ -109,7 +109,6 @@ static void print_vertex_variables(const struct shader *of, const struct program
 static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
                                 struct printed *to)
 {
-    program_begin(of->base.plan->options.gl_way, to);
     print_vertex_variables(of, effects, to);
     print_lighting(of, effects, to);
     print(to,
@@ -133,7 +132,6 @@ static void print_fragment_shader(const struct shader *of, const struct program_
 {
     const int n = of->base.renderer.n_at_once;
     const char *flat = flat_word(of);
-    program_begin(of->base.plan->options.gl_way, to);
     print(to, "in vec2 at;\n%sin mat4 front;\n", flat);
     if (effects->two_sided)
         print(to, "%sin mat4 back;\n", flat);
@@ -207,9 +205,9 @@ static void set_lights(const struct shader *of, int group, GLuint program)
     GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
             axis[LIGHTS_PER_PASS][4] = {{0}}, exponent[LIGHTS_PER_PASS] = {0};
     const struct light_group lights = light_group(of->base.plan, group);
-    const int n = lights.n, first = lights.first;
+    const int n = lights.n;
     for (int i = 0; i < n; i++) {
-        const struct eye_light *light = &of->base.plan->lights[first + i];
+        const struct eye_light *light = &of->base.plan->lights[lights.first + i];
         const double from[] = {light->position.x, light->position.y, light->position.z};
         const double along[] = {light->axis.x, light->axis.y, light->axis.z, light->cutoff_cosine};
         for (int k = 0; k < 4; k++)
@@ -232,9 +230,8 @@ static void set_lights(const struct shader *of, int group, GLuint program)
 
 /* Prints the shaders that draw the numbers of triangles into the first buffer of colours. Other
  * buffers get undefined colours there, and then those of frames, which show the same pixels. */
-static void print_numbers(enum gl_way way, struct printed *vertex, struct printed *fragment)
+static void print_numbers(struct printed *vertex, struct printed *fragment)
 {
-    program_begin(way, vertex);
     print_text(vertex, "layout(location = 0) in vec3 position;\n"
                        "layout(location = 1) in vec3 number;\n"
                        "uniform mat4 to_clip;\n"
@@ -243,7 +240,6 @@ static void print_numbers(enum gl_way way, struct printed *vertex, struct printe
                        "void main()\n{\n"
                        "    gl_Position = to_clip * vec4(position, 1.0);\n"
                        "    shown = number;\n}\n");
-    program_begin(way, fragment);
     print_text(fragment, "flat in vec3 shown;\n"
                          "layout(location = 0) out vec4 colour0;\n"
                          "void main()\n{\n"
@@ -263,11 +259,13 @@ unsigned program_use(struct shader *shader, const struct program_effects *effect
         call->UseProgram(*program);
         return *program;
     }
+    program_begin(shader, &vertex);
+    program_begin(shader, &fragment);
     if (effects) {
         print_vertex_shader(shader, effects, &vertex);
         print_fragment_shader(shader, effects, &fragment);
     } else
-        print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
+        print_numbers(&vertex, &fragment);
     if (program_end(call, &vertex, &fragment, program, err) && effects)
         set_lights(shader, effects->group, *program);
     return *program;
