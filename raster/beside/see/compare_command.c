@@ -230,6 +230,9 @@ static bool compare_objects(struct comparison *of, struct error *err)
           " objects\n",
           all->mean, all->quantile_95, all->peak.largest, of->n_pixels);
     json_pixels(&json, "dE00", all);
+    json_truth(&json, "within_tolerance", comparison_is_within(of));
+    json_string(&json, "other", of->other_detector);
+    json_string(&json, "matrix", options->matrix);
     done = done && (!options->json || json_write(&json, options->json, &options->outputs, err)) &&
            (options->quiet || printed_show(&printed, options_table(options, NULL), err));
     FREE_ALL(json.printed.text, printed.text);

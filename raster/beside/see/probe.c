@@ -90,6 +90,11 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
     probe->shown = NO_PIXEL;
     if (!string_copy(image->path, &probe->source, err))
         return false;
+    if (cube->raw && (probe->options->detector || probe->options->matrix || probe->options->white))
+        return error_usage(err,
+                           "%s has raw values, which no eye sees; --detector, --matrix and "
+                           "--white need a stack",
+                           image->path);
     if (probe->at.x > image->width - probe->at.width ||
         probe->at.y > image->height - probe->at.height)
         return error_usage(

@@ -269,6 +269,7 @@ def objects():
     check(near(seen, ciede2000(*(lab(each, EYE @ WHITE) for each in xyz)), 1e-5) and "white             XYZ" in result.stdout and "of 3 objects" in result.stdout and
           result.returncode == 1, "they are those of what probe says, as words", result.stdout)
     found = said("compare", A, B, "--objects", *CAMERAS[6].options)
+    check(found["within_tolerance"] is False and found["other"] is None and found["matrix"] == CAMERAS[6].matrix_path, "the JSON says how they were seen", found)
     of = CAMERAS[6].xyz(NM)
     check(near([each["dE00"] for each in found["objects"]], ciede2000(*(lab(means(stack, of), of @ WHITE) for stack in (A, B))), 1e-6), "both by the matrix", found)
     check(not run("compare", A, B, "--objects", "--quiet").stdout and "of 3 objects" in run("compare", A, B, "--objects", "--json", path_of("o.json")).stdout and
@@ -419,6 +420,8 @@ def raw_files():
         for command, *more in ("develop", "-o", REFUSED), ("view", "-o", path_of("refused.html")), ("envi", "-o", path_of("refused.img")):
             refuses(f"{name}, by {command}", "has raw values of a detector's channels; expected the stack", command, path, *more, absent=more[1])
         refuses(f"{name}: objects", "no map of objects", "probe", path, "--objects")
+        for words in ("--detector", camera.path), ("--matrix", camera.matrix_path), ("--white", "d65"):
+            refuses(f"{name}: {words[0]}", "has raw values, which no eye sees", "probe", path, "15", "15", *words)
     check(run("compare", floats, floats).returncode == 0, "a raw file equals itself")
     for b in counts, others:
         result = run("compare", "-v", floats, b)
