@@ -111,11 +111,10 @@ struct texture {
     pthread_mutex_t reading;      /* held while the image is read */
 };
 /* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral` and `rgb` of *out, and
- * zeroes all others. A grey
- * texture is one page with values that hold for every wavelength. A spectral texture is a stack of
- * pages with wavelengths; all of them are read once, to find their smallest and largest value.
- * Refuses a side of more than 16384 texels, since OpenGL's textures have a limit, too. The caller
- * frees *out, also after a failure. */
+ * zeroes all others. A grey texture is one page with values that hold for every wavelength. A
+ * spectral texture is a stack of pages with wavelengths; all of them are read once, to find their
+ * smallest and largest value. Refuses a side of more than 16384 texels, since OpenGL's textures
+ * have a limit, too. The caller frees *out, also after a failure. */
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err);
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end

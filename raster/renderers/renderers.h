@@ -44,7 +44,7 @@ detail_finder detail_find; /* by the specification's definition */
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
 struct driver {
     const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others;
-                         "measured": see raster/beside/measure */
+                         "measured", "measured before": see raster/beside/measure */
     bool is_measured;
     double grid_px; /* corners are moved to a grid before edges are followed: by up to this */
     double edge_roundings;  /* of the largest window coordinate, while an edge is followed */

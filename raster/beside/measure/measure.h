@@ -21,8 +21,8 @@ bool targets_plan(const struct plan_options *by, bool textured, struct render_jo
 bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
                      struct driver *out, struct error *err);
 /* Writes what was measured of a driver as numbers: its traits, whether it is watertight, its rule
- * for levels of detail (-1: any). Reads them again, as a driver that was measured; refuses traits
- * beyond those that a measured one can have. */
+ * for levels of detail (-1: any). Reads them again, as a driver that was measured before; refuses
+ * traits beyond those that a measured one can have. */
 void traits_numbers(const struct driver *of, struct printed *to);
 bool traits_read(struct text *text, struct driver *out, struct error *err);
 /* Measures the driver that draws here: see struct drawing_ways. */

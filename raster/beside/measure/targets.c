@@ -234,9 +234,9 @@ static bool find_detail(struct targets *of, struct error *err)
     return true;
 }
 
-static void set_measured(struct driver *out)
+static void set_measured(struct driver *out, const char *name)
 {
-    out->name = "measured";
+    out->name = name;
     out->is_measured = true;
 }
 
@@ -248,7 +248,7 @@ bool targets_measure(const struct render_foreign *source, const struct plan_opti
     if (done) {
         of.kept.driver = *out;
         if (!driver_is_known(out)) {
-            set_measured(&of.kept.driver);
+            set_measured(&of.kept.driver, "measured");
             done = narrow(&of, err);
         }
         done = done && find_detail(&of, err);
@@ -287,13 +287,13 @@ bool traits_read(struct text *text, struct driver *out, struct error *err)
 {
     long watertight, rule;
     *out = *driver_of(NULL);
-    set_measured(out);
+    set_measured(out, "measured before");
     for (int t = 0; t < TRAITS; t++)
         if (!text_number(text, traits[t].name, traits[t].least, 2 * traits[t].most,
                          trait_of(out, t), err))
             return false;
-    if (!text_integer(text, "0 or 1", 0, 1, &watertight, err) ||
-        !text_integer(text, "a rule for levels of detail", -1, DETAIL_RULES - 1, &rule, err))
+    if (!text_integer(text, "mark of no holes", 0, 1, &watertight, err) ||
+        !text_integer(text, "rule for levels of detail", -1, DETAIL_RULES - 1, &rule, err))
         return false;
     out->watertight = watertight != 0;
     if (rule >= 0)

@@ -148,6 +148,7 @@ def measured(scene):
         found = re.search(r"^bounds +measured: edges to (\S+) pixel", result.stdout, re.MULTILINE)
         bounds[steps] = float(found.group(1)) if found else 0
         check(result.returncode == 0, f"corners moved by {steps}/32 pixel: agreed", result.stdout, result.stderr)
+        taken_over(folder, steps)
         with open(os.path.join(folder, "colours-3.bin"), "r+b") as file:
             pixels = np.memmap(file, "<f4", "r+").reshape(60, 90, 4)
             pixels[30, 45, 1] *= 1.1
@@ -159,6 +160,25 @@ def measured(scene):
         check("bounds            stated by drawn.txt: edges to 0.00391 pixel, values to 0.00391, depth to 1.5 step" in stated,
               "without targets, the bits of drawn.txt are taken", stated)
     check(bounds[0] <= 1 / 512 and 1 / 32 <= bounds[1] <= 1 / 16, "edges are measured to be where they are", bounds)
+
+
+def taken_over(folder, steps):
+    """The numbers of a driver that judge -v prints stand for its targets: the check is the same, and the report says so."""
+    words = "judge", folder, "--unchecked", "1"
+    numbers = re.search(r"^driver +(\d.*)$", run(*words, "-v").stdout, re.MULTILINE).group(1)
+    before = json.loads(run(*words, "--json", "-").stdout)["check"]
+    drawn, targets = (os.path.join(folder, name) for name in ("drawn.txt", "targets-drawn.txt"))
+    text = open(drawn).read()
+    os.rename(targets, targets + ".away")
+    with open(drawn, "a") as file:
+        file.write(f"driver {numbers}\n")
+    result = run(*words)
+    after = json.loads(run(*words, "--json", "-").stdout)["check"]
+    check(result.returncode == 0 and after == before and "bounds            measured before: edges to " in result.stdout,
+          f"corners moved by {steps}/32 pixel: the numbers of the driver stand for its targets", result.stdout, result.stderr)
+    with open(drawn, "w") as file:
+        file.write(text)
+    os.rename(targets + ".away", targets)
 
 
 # ---- changes ----
@@ -278,6 +298,10 @@ def refusals(scene):
     refuses("no id", 'expected a line "id"', *words)
     write("drawn/drawn.txt", text + "colour 3\n")
     refuses("an unknown line", r"drawn.txt:7:1: error: .*colour", *words)
+    for numbers, said in (("0.002 0", "expected a number"), ("0.5 0 5 2 0 1 1 -1", "edges 0.5 is above 0.125"), ("0 0 5 2 0 1 1 -1", "edges 0 is below 0.00195"),
+                          ("0.002 0 5 2 0 1 2 -1", "mark of no holes 2 is out of range"), ("0.002 0 5 2 0 1 1 4", "levels of detail 4 is out of range"), ("0.002 0 5 2 0 1 1 nan", "nan"), ("0.002 0 5 2 0 1 1 -1 7", "too much")):
+        write("drawn/drawn.txt", text + f"driver {numbers}\n")
+        refuses(f"a driver of {numbers}", rf"drawn.txt:7:\d+: error: .*{said}", *words)
     write("drawn/drawn.txt", re.sub("renderer .*", "renderer Foo 9000", re.sub(".*-bits .*\n", "", text)))
     os.remove(os.path.join(DRAWN, "targets-drawn.txt"))
     result = run(*words)
