@@ -72,8 +72,8 @@ list_builtin() {
 # The minimal program has tables, materials, and the scenes that need no texture and no mesh.
 minimal_builtin() {
     builtin=builtin-minimal.c
-    left_out='/(hard|viewer|textures)/|/models/[^/]*[.](obj|map)$'
-    left_out="$left_out|/($(cd data/builtin/scenes && grep -lE 'texture |mesh ' ./* | sed 's,^./,,' | tr '\n' '|')NONE)\$"
+    left_out='/(hard|viewer|textures|reliefs)/|/models/[^/]*[.](obj|map)$'
+    left_out="$left_out|/($(cd data/builtin/scenes && grep -lE 'texture |mesh |displace ' ./* | sed 's,^./,,' | tr '\n' '|')NONE)\$"
 }
 
 # Makes $BUILD/$builtin anew if a file, or a folder of them, has changed since the list was begun.

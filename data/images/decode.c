@@ -165,11 +165,13 @@ static double pixel_value(const struct stored_rows *of, const struct sample_layo
                           size_t pixel)
 {
     static const int grey[] = {1};
-    static const int colours[][3] = {/* ITU-R BT.709-6, item 3.2, in 1/10000; one colour alone */
-                                     {2126, 7152, 722},
-                                     {1, 0, 0},
-                                     {0, 1, 0},
-                                     {0, 0, 1}};
+    static const int colours[][3] = {
+        /* ITU-R BT.709-6, item 3.2, in 1/10000; one colour alone; all */
+        {2126, 7152, 722},
+        {1, 0, 0},
+        {0, 1, 0},
+        {0, 0, 1},
+        [MEAN_COLOUR] = {1, 1, 1}};
     const size_t at = pixel * layout->pixel_step + layout->sample;
     const double first = sample_at(layout, of->samples, at);
     if (layout->has_nodata && (first == layout->nodata || (isnan(first) && isnan(layout->nodata))))
@@ -216,7 +218,7 @@ static bool values_check(const struct image *image, const struct page_rows *of, 
         if (!(of->values[i] >= 0 && of->values[i] <= FLT_MAX))
             return image_refuse(
                 image, of->page, err,
-                "the radiance at column %zu, row %zu is %g; expected a finite number that"
+                "the value at column %zu, row %zu is %g; expected a finite number that"
                 " is not negative",
                 i % width, of->y + i / width, (double)of->values[i]);
     return true;

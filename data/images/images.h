@@ -101,6 +101,7 @@ enum { TEXTURE_PLANES = 3 };
 struct texture {
     struct image image;           /* open as long as planes are to be loaded */
     bool spectral, rgb;           /* rgb: pages at rgb_knot_nm are made of the only one */
+    bool relief;                  /* samples as they are stored, and the mean of colours */
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     bool mipmapped;               /* planes have all levels down to one texel: see mipmaps.c */
     bool shown;                   /* by an object in view; its user keeps this */
@@ -110,11 +111,11 @@ struct texture {
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
     pthread_mutex_t reading;      /* held while the image is read */
 };
-/* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral` and `rgb` of *out, and
- * zeroes all others. A grey texture is one page with values that hold for every wavelength. A
- * spectral texture is a stack of pages with wavelengths; all of them are read once, to find their
- * smallest and largest value. Refuses a side of more than 16384 texels, since OpenGL's textures
- * have a limit, too. The caller frees *out, also after a failure. */
+/* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral`, `rgb` and `relief` of
+ * *out, and zeroes all others. A grey texture is one page with values that hold for every
+ * wavelength. A spectral texture is a stack of pages with wavelengths; all of them are read once,
+ * to find their smallest and largest value. Refuses a side of more than 16384 texels, since
+ * OpenGL's textures have a limit, too. The caller frees *out, also after a failure. */
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err);
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end

@@ -8,6 +8,7 @@
 /* How the samples of a page lie in the file: in blocks, which are tiles, or strips as wide as the
  * page. Uncompressed rows that lie one after the other are read in blocks of our own choice, which
  * fit into the processor's cache. */
+enum { MEAN_COLOUR = 4 };
 struct sample_layout {
     uint64_t directory; /* the offset of the page's directory */
     uint32_t width, height, block_width, block_height;
@@ -15,7 +16,8 @@ struct sample_layout {
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
     uint16_t sample;  /* the first of a pixel there */
-    uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
+    uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma;
+                         MEAN_COLOUR: their mean */
     uint64_t block_bytes;
     size_t pixel_step;    /* samples of a pixel in a plane */
     size_t row_bytes;     /* of a plane */

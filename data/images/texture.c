@@ -62,14 +62,19 @@ bool texture_read(const char *path, struct place from, image_tags *read_tags, st
                   struct error *err)
 {
     const double floats = (out->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
+    const char *what = out->relief ? "relief" : "texture";
     pthread_mutex_init(&out->reading, NULL);
-    if (!file_expected(path, from, FILE_TEXTURE, err) ||
+    if (!file_expected(path, from, out->relief ? FILE_RELIEF : FILE_TEXTURE, err) ||
         !image_open(path, from, read_tags, &out->image, err))
         return false;
     mipmaps_count(out);
+    if (out->relief) {
+        out->image.file->pages->colour = MEAN_COLOUR;
+        out->image.file->pages->gamma = 0;
+    }
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
-        error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
-                 out->image.width, out->image.height, LONGEST_TEXTURE);
+        error_at(err, from, "%s: it has %dx%d pixels; a %s has at most %d a side", path,
+                 out->image.width, out->image.height, what, LONGEST_TEXTURE);
     else if (out->rgb && !image_spread(&out->image, err))
         ;
     else if (out->spectral && out->image.wavelengths_nm == NULL)
@@ -79,12 +84,12 @@ bool texture_read(const char *path, struct place from, image_tags *read_tags, st
                  path, out->image.no_wavelengths);
     else if (!out->spectral && out->image.n_pages > 1)
         error_at(err, from,
-                 "%s: it has %d pages; expected one page for a texture; a stack of pages with"
+                 "%s: it has %d pages; expected one page for a %s; a stack of pages with"
                  " wavelengths is a spectral-texture",
-                 path, out->image.n_pages);
+                 path, out->image.n_pages, what);
     else
         return memory_suffices(floats * sizeof(float) * (double)out->plane_size, from, err,
-                               "%s: a texture of %dx%d texels", path, out->image.width,
+                               "%s: a %s of %dx%d texels", path, what, out->image.width,
                                out->image.height) &&
                find_extremes(out, err);
     return false;

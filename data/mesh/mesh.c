@@ -240,6 +240,7 @@ static void fill_texture(const struct builder *b, struct mesh *mesh)
     mesh_planar(mesh);
     for (int i = 0; i < mesh->n_vertices; i++) {
         const int32_t index = b->obj.corners[b->links[i].corner].index[OBJ_TEXTURE];
+        mesh->untextured = mesh->untextured || index < 0;
         if (index >= 0) {
             mesh->vertices[i].s = b->obj.list[OBJ_TEXTURE].at[index].x;
             mesh->vertices[i].t = b->obj.list[OBJ_TEXTURE].at[index].y;

@@ -19,6 +19,7 @@ struct mesh {
     bool parametric;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
+    bool untextured;    /* of a file: some corner has no texture coordinates of its own */
     int32_t *part;      /* of each triangle; NULL: all are part 0 */
     char **part_names;  /* of a file: the usemtl of each part, "" before the first one */
     int n_parts;        /* at least 1 */
@@ -56,6 +57,15 @@ bool mesh_halve(struct mesh *mesh, struct error *err);
  * be empty: n_triangles 0. -1, or a mesh without parts: copies all. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
+/* ---- displace.c: reliefs ---- */
+
+/* Moves each vertex along its normal by its height, in units of the mesh. Vertices at one place
+ * stay together, so that a closed mesh stays closed: they move by the mean of their heights along
+ * the mean of their normals. Each of different normals counts once there, and opposite ones cancel.
+ * Then turns the normals as much as the faces around them have turned; those that were equal at one
+ * place stay so, and creases stay creases. The mesh is parametric no more. */
+bool mesh_displace(struct mesh *mesh, const double *heights, struct error *err);
+
 /* ---- shape.c: the words of the scene language ---- */
 
 /* The table in shape.c has their words and sizes. A plane and a disk face +z. */
@@ -75,9 +85,12 @@ struct shape {
     double parameter[4]; /* the sizes; 0 behind the last one */
     char *path;          /* SHAPE_MESH; owned */
     bool unitize;
-    double crease_deg; /* 90 by default */
-    bool planar;       /* texture coordinates by mesh_planar */
-    double repeat[2];  /* how often a texture fits along s and t; 1 1 by default */
+    double crease_deg;    /* 90 by default */
+    bool planar;          /* texture coordinates by mesh_planar */
+    double repeat[2];     /* how often a texture or a relief fits along s and t; 1 1 by default */
+    char *relief;         /* a picture that displaces the vertices; owned; NULL: none */
+    double relief_height; /* of its value 1 */
+    struct place relief_place;
     struct place place;
 };
 const char *shape_name(enum shape_kind kind); /* the scene language's word */

@@ -143,6 +143,6 @@ bool shape_read(struct text *text, struct shape *out, struct error *err)
 
 void shape_free(struct shape *shape)
 {
-    free(shape->path);
+    FREE_ALL(shape->path, shape->relief);
     *shape = (struct shape){.path = NULL};
 }

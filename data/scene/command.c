@@ -36,11 +36,17 @@ static const struct list {
     void (*print)(struct printed *to); /* NULL: the list has the names of built-in files */
     enum file_kind kind;               /* of these files */
 } lists[] = {
-    {"scenes", NULL, NULL, FILE_SCENE},           {"hard", NULL, NULL, FILE_SCENE},
-    {"materials", NULL, NULL, FILE_MATERIAL},     {"illuminants", "lights", NULL, FILE_TABLE},
-    {"detectors", "observers", NULL, FILE_TABLE}, {"shapes", NULL, list_shapes, FILE_KINDS},
-    {"models", "meshes", NULL, FILE_MODEL},       {"lists", NULL, NULL, FILE_LIST},
-    {"textures", NULL, NULL, FILE_TEXTURE},       {"samplings", NULL, list_samplings, FILE_KINDS},
+    {"scenes", NULL, NULL, FILE_SCENE},
+    {"hard", NULL, NULL, FILE_SCENE},
+    {"materials", NULL, NULL, FILE_MATERIAL},
+    {"illuminants", "lights", NULL, FILE_TABLE},
+    {"detectors", "observers", NULL, FILE_TABLE},
+    {"shapes", NULL, list_shapes, FILE_KINDS},
+    {"models", "meshes", NULL, FILE_MODEL},
+    {"lists", NULL, NULL, FILE_LIST},
+    {"textures", NULL, NULL, FILE_TEXTURE},
+    {"reliefs", NULL, NULL, FILE_RELIEF},
+    {"samplings", NULL, list_samplings, FILE_KINDS},
 };
 enum { N_LISTS = sizeof lists / sizeof lists[0] };
 

@@ -36,13 +36,14 @@ enum object_option {
     OBJECT_CASTS,
     OBJECT_PLANAR,
     OBJECT_REPEAT,
+    OBJECT_DISPLACE,
     OBJECT_UNITIZE,
     OBJECT_CREASE,
     OBJECT_OPTIONS
 };
-static const char *const option_words[] = {"material",  "materials", "scale",  "rotate",
-                                           "translate", "two-sided", "casts",  "planar",
-                                           "repeat",    "unitize",   "crease", NULL};
+static const char *const option_words[] = {
+    "material", "materials", "scale",    "rotate",  "translate", "two-sided", "casts",
+    "planar",   "repeat",    "displace", "unitize", "crease",    NULL};
 
 static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
 {
@@ -88,6 +89,23 @@ static bool read_material(struct text *text, struct place place, bool map, struc
            (!map || word_file(&out->object.named, FILE_MAP, &out->object.material_map, err));
 }
 
+/* Reads a relief and its height. Height 0 is none. */
+static bool read_relief(struct text *text, struct shape *out, struct error *err)
+{
+    const double most = 1e30;
+    struct word word;
+    out->relief_place = text_next_place(*text);
+    if (!text_expect(text, &word, "a relief", err) ||
+        !word_file(&word, FILE_RELIEF, &out->relief, err) ||
+        !text_number(text, "height", -most, most, &out->relief_height, err))
+        return false;
+    if (out->relief_height == 0) {
+        free(out->relief);
+        out->relief = NULL;
+    }
+    return true;
+}
+
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
@@ -111,6 +129,8 @@ static bool read_option(struct text *text, const struct word *word, struct descr
     if (option == OBJECT_REPEAT)
         return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
                text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);
+    if (option == OBJECT_DISPLACE)
+        return read_relief(text, shape, err);
     if (option == OBJECT_CREASE)
         return text_number(text, "crease", 0, 180, &shape->crease_deg, err);
     out->object.two_sided = out->object.two_sided || option == OBJECT_TWO_SIDED;
@@ -152,8 +172,9 @@ void object_free(struct object *object)
 static bool add_object(struct scene *scene, const struct object *from, struct error *err)
 {
     struct object object = *from;
-    object.shape.path = object.material_map = NULL;
+    object.shape.path = object.shape.relief = object.material_map = NULL;
     if (string_copy(from->shape.path, &object.shape.path, err) &&
+        string_copy(from->shape.relief, &object.shape.relief, err) &&
         string_copy(from->material_map, &object.material_map, err) &&
         array_add(&scene->objects, &scene->n_objects, &object, sizeof object, err))
         return true;

@@ -155,7 +155,7 @@ bool scene_refuse(const char *stack, struct error *err);
 extern const struct command list_command;
 /* Writes a built-in file, by the name that a list prints or by its path "builtin:...", to standard
  * output or to the output. If files of several kinds have the name, it is the first of scene,
- * material, list of materials, spectrum or detector, model, material map and texture. */
+ * material, list of materials, spectrum or detector, model, material map, texture and relief. */
 extern const struct command show_command;
 bool show_file(struct options *options, struct error *err); /* does so for a command like it */
 

@@ -57,7 +57,8 @@ static bool add_all(struct inputs *to, const struct scene *scene, struct error *
     for (int i = 0; done && i < scene->n_materials; i++)
         done = add_material(to, &scene->materials[i], err);
     for (int i = 0; done && i < scene->n_objects; i++)
-        done = add(to, scene->objects[i].shape.path, err);
+        done = add(to, scene->objects[i].shape.path, err) &&
+               add(to, scene->objects[i].shape.relief, err);
     return done;
 }
 

@@ -20,6 +20,7 @@ static const struct {
     [FILE_MODEL] = {"model", NULL, {{"models/", ".obj"}}},
     [FILE_MAP] = {"material map", NULL, {{"models/", ".map"}}},
     [FILE_TEXTURE] = {"texture", "textures", {{"textures/", ".tif"}}},
+    [FILE_RELIEF] = {"relief", "reliefs", {{"reliefs/", ".tif"}}},
     [FILE_KINDS] = {"file", NULL, {{NULL, NULL}}},
 };
 

@@ -182,6 +182,7 @@ enum file_kind {
     FILE_MODEL,
     FILE_MAP, /* of materials of a mesh */
     FILE_TEXTURE,
+    FILE_RELIEF,
     FILE_KINDS /* none: no built-in file is of this kind */
 };
 /* Writes the name of a built-in file of this kind. Returns false if the file is of another kind. */

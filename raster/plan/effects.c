@@ -8,7 +8,7 @@
 struct counts {
     int ambient, diffuse, specular, with_excitation, with_matrix, fluorescent, bispectral, textured,
         mipmapped, spectrally_textured, emitting, halves;
-    int two_sided, mapped, tessellated;
+    int two_sided, mapped, displaced, tessellated;
     int attenuated, spots, shadows;
 };
 
@@ -51,6 +51,7 @@ static struct counts count_all(const struct plan *plan)
                            other = shape_tessellated(shape, plan->scene->tessellation);
         n.two_sided += object->two_sided;
         n.mapped += object->n_assignments > 0;
+        n.displaced += shape->relief != NULL;
         n.tessellated += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
     }
     for (int i = 0; i < plan->n_lights; i++) {
@@ -104,6 +105,7 @@ void plan_effects(struct plan *plan)
         {"flat", shading == SHADING_FLAT, 1, NULL, is_other},
         {"phong", shading == SHADING_PHONG, 1, NULL, is_other},
         {"material_map", n.mapped, objects, "objects", "no object has several materials"},
+        {"displace", n.displaced, objects, "objects", "no object has a relief"},
         {"tessellation", n.tessellated, objects, "objects",
          scene->tessellation == 1 ? "shapes are as the scene says"
                                   : "no object has other numbers by the factor"}};

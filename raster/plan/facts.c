@@ -136,6 +136,21 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
     return done;
 }
 
+/* Prints what triangles lose of each relief. Halves and parts of a mesh follow each other. */
+static void print_reliefs(const struct plan *plan, struct printed *to)
+{
+    for (int i = 0; i < plan->n_meshes; i++) {
+        const struct plan_mesh *mesh = &plan->meshes[i];
+        const struct shape *shape = &mesh->shape;
+        if (shape->relief && (i == 0 || shape->relief != plan->meshes[i - 1].shape.relief))
+            print(to,
+                  "relief            %s: %.3g texels a triangle of the %s in line %d, which misses "
+                  "heights by %.2g (rms) of %g\n",
+                  shape->relief, mesh->relief_texels, shape_name(shape->kind), shape->place.line,
+                  mesh->relief_missed, shape->relief_height);
+    }
+}
+
 /* Prints what words have beside the facts: textures, and each value that is guessed. */
 static void print_guesses(const struct plan *plan, struct printed *to)
 {
@@ -146,6 +161,7 @@ static void print_guesses(const struct plan *plan, struct printed *to)
               texture->plane_size * sizeof(float), texture->image.n_pages,
               texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
     }
+    print_reliefs(plan, to);
     tables_look(plan, to);
     for (int i = 0; i < plan->n_materials; i++) {
         const struct material *material = plan->materials[i].material;

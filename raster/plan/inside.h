@@ -20,6 +20,9 @@ bool lights_list(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
+/* reliefs.c: displaces the whole mesh of a shape by its relief, and sets what flat triangles miss
+ * of it. */
+bool relief_apply(struct plan_mesh *whole, struct error *err);
 bool instances_make(struct plan *plan, struct error *err); /* instances.c: their meshes, too */
 
 #endif

@@ -38,11 +38,17 @@ static bool repeats(const struct scene *scene, const struct object *object)
 static void print_key(const struct shape *shape, bool repeated, struct printed *key)
 {
     const bool is_mesh = shape->kind == SHAPE_MESH;
-    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, repeated};
+    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, repeated,
+                         shape->relief != NULL};
     const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
     print_bytes(key, words, sizeof words);
     if (repeated)
         print_bytes(key, shape->repeat, sizeof shape->repeat);
+    if (shape->relief) {
+        print_bytes(key, shape->repeat, sizeof shape->repeat);
+        print_bytes(key, &shape->relief_height, sizeof shape->relief_height);
+        print_bytes(key, shape->relief, strlen(shape->relief) + 1);
+    }
     if (is_mesh) {
         print_bytes(key, &crease_deg, sizeof crease_deg);
         print_text(key, shape->path);
@@ -68,12 +74,15 @@ static void find_centre(struct plan_mesh *whole)
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
                       struct error *err)
 {
-    struct plan_mesh whole = {.shape = *shape, .solid = shape_is_solid(shape->kind)};
+    /* A solid that folds through itself shows backs. */
+    struct plan_mesh whole = {.shape = *shape,
+                              .solid = shape_is_solid(shape->kind) && !shape->relief};
     bool done = shape_build(shape, &whole.mesh, err);
     for (int i = maker->plan->options.halvings; done && shape->kind == SHAPE_MESH && i > 0; i--)
         done = mesh_halve(&whole.mesh, err);
     if (done && shape->planar)
         mesh_planar(&whole.mesh);
+    done = done && (!shape->relief || relief_apply(&whole, err));
     done = done && (!repeated || mesh_repeat_texture(&whole.mesh, shape->repeat, err));
     if (done) {
         find_centre(&whole);

@@ -29,6 +29,8 @@ struct plan_mesh {
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool solid;           /* closed, with all faces outward */
+    double relief_texels, relief_missed; /* texels of its relief in a triangle, on average; heights,
+                                            rms, by which flat triangles miss it at their centres */
 };
 /* The planes of the view. A set of them has bit 1 << plane. */
 enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
@@ -42,7 +44,7 @@ struct placed_instance {
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
-enum { N_EFFECTS = 20, BAND_NAME = 32 };
+enum { N_EFFECTS = 21, BAND_NAME = 32 };
 /* So many of all that an effect may concern call for it. */
 struct plan_effect {
     const char *name;

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes data/builtin/textures/*.tif again, except for the rendered picture.tif: `test/make/textures.py FOLDER` writes
-them into FOLDER. Each texture but the rug is a tile that repeats without a seam; its values multiply the reflectance of
-the surface. All are made from formulas and seeded noise, and none is copied; MIT
-licence."""
+"""Makes data/builtin/textures/*.tif again, except for the rendered picture.tif, and data/builtin/reliefs/*.tif:
+`test/make/textures.py data/builtin`. Each but the rug is a tile that repeats without a seam. The values of a texture
+multiply the reflectance of the surface, those of a relief are heights. All are made from formulas and seeded noise, and
+none is copied; MIT licence."""
 import os
 import sys
 
@@ -225,12 +225,49 @@ def rug(x, y):
     return value * (0.94 + 0.06 * wave(64 * x) * wave(40 * y))
 
 
+# ---- reliefs ----
+
+def weave_relief(x, y):
+    """Plain weave, two by two round threads: those along x lie above where those along y lie below."""
+    i, j = np.floor(2 * x), np.floor(2 * y)
+    over = np.where((i + j) % 2 == 0, 1, -1)
+    bend_x, bend_y = np.sin(np.pi * 2 * x) * (-1) ** i, np.sin(np.pi * 2 * y) * (-1) ** j
+    thread_x = np.sqrt(np.maximum(1 - (2.2 * (2 * y - j - 0.5)) ** 2, 0)) + 0.5 * over * np.abs(bend_x)
+    thread_y = np.sqrt(np.maximum(1 - (2.2 * (2 * x - i - 0.5)) ** 2, 0)) - 0.5 * over * np.abs(bend_y)
+    return np.maximum(np.maximum(thread_x, thread_y), 0) / 1.5
+
+
+def bricks_relief(x, y):
+    """Four rows of two, with round edges and a rough face"""
+    row = np.floor(y * 4).astype(int)
+    along = x + row % 2 * 0.25
+    own = np.random.RandomState(90).uniform(0, 1, (4, 2))[row, np.floor(along * 2).astype(int) % 2]
+    inside = np.minimum((0.5 - off_centre(along, 2)) / 2, (0.5 - off_centre(y, 4)) / 4)
+    face = 0.85 + 0.1 * own + 0.05 * noise(x, y, 91, 8, 8, 3)
+    rise = np.clip((inside - 0.012) / 0.03, 0, 1)
+    return np.where(inside > 0.012, face * np.sqrt(1 - (1 - rise) ** 4), 0.1 + 0.1 * noise(x, y, 92, 16, 16, 2)).clip(0)
+
+
+def ripples_relief(x, y):
+    """Sand that wind has moved: steep on one side"""
+    phase = 6 * y + 0.35 * noise(x, y, 93, 3, 3, 2)
+    return (0.5 + 0.36 * np.sin(2 * np.pi * phase + 0.5 * np.sin(2 * np.pi * phase)) + 0.08 * noise(x, y, 94, 6, 6, 2))
+
+
+RELIEFS = (weave_relief, bricks_relief, ripples_relief)
 SIZES = {(512, 256): (boards,), (512, 320): (rug,), (128, 128): (grass, stone, marble, planks, brick), (128, 64): (wood,), (64, 128): (bark,),
          (64, 64): (sand, leather, clouds, plaster, tiles, weave, knit, tartan, checks, stripes, dots,
                     rings, zigzag, scales, honeycomb, lozenges, waves)}
 
 
+def write(name, samples):
+    tifffile.imwrite(name + ".tif", samples, metadata=None, compression="zlib", software=False)
+
+
 def main(folder):
+    for make in RELIEFS:  # 4096 steps are fine enough for normals
+        heights = np.round(make(*grid(128, 128)).clip(0, 1) * 4095).astype(np.uint16) * 16
+        write(os.path.join(folder, "reliefs", make.__name__.replace("_relief", "")), heights)
     for size, makers in SIZES.items():
         for make in makers:
             share = make(*grid(*size)).clip(0, 1)
@@ -238,8 +275,7 @@ def main(folder):
                 samples = np.round(share * 1023).astype(np.uint16) * 64
             else:  # 64 steps are fine enough for the eye, and deflate well
                 samples = np.round(share * 63).astype(np.uint8) * 4 + 3
-            tifffile.imwrite(os.path.join(folder, make.__name__ + ".tif"), samples, metadata=None,
-                             compression="zlib", software=False)
+            write(os.path.join(folder, "textures", make.__name__), samples)
 
 
 if __name__ == "__main__":

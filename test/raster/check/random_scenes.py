@@ -27,6 +27,7 @@ from rendered import FAULTS, SPECTRAL, TMP, amount, check, done, path_of
 KEPT = "test/cases/random"
 COUNT = {"llvmpipe": amount(200, 1000, 5000), "softpipe": amount(30, 120, 500)}
 SHADOWS = {"llvmpipe": amount(60, 200, 1000), "softpipe": amount(20, 60, 200)}
+RELIEFS = {"llvmpipe": amount(60, 240, 1000), "softpipe": amount(20, 60, 200)}  # with shadows, too
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 MOST_KEPT = 3  # scenes a run
@@ -513,9 +514,22 @@ class Writer:
         self.lines.append(line("checker @-checks.list", shape, *self.options(), self.transform()))
 
 
+def with_reliefs(text, seed):
+    """Displaces two of three objects. Planes and boxes get divisions; meshes without vt need planar coordinates."""
+    dice, out = Dice(seed + 0.5), []
+    for words in text.split("\n"):
+        if words.startswith(("object", "checker")) and dice.chance(0.67):
+            words = re.sub(r"(plane \S+ \S+|box \S+ \S+ \S+)", rf"\1 {dice.whole(1, 20)}", words)
+            words += line(" displace", dice.pick(*GREY, "ripples", "weave"), dice.pick(-1, 1, 1) * dice.log(0.001, 1))
+            words += " planar" if " mesh " in words and " planar" not in words else ""
+        out.append(words)
+    return "\n".join(out)
+
+
 def scene(seed, size=(200, 200)):
     """The scene's texts by the ends of their names; ".scene" is the first to read."""
-    return Writer(seed, size).files
+    files = Writer(seed, size).files
+    return {**files, ".scene": with_reliefs(files[".scene"], seed)} if DISPLACED else files
 
 
 def put(files, folder, name):
@@ -530,6 +544,7 @@ def put(files, folder, name):
 
 
 MORE = []  # options of render
+DISPLACED = []  # not empty: scenes have reliefs
 
 
 class Result:
@@ -581,7 +596,8 @@ def check_coverage(texts, effects):
     lacking = [pattern for pattern in COVERAGE if not re.search(pattern, texts, re.M)]
     check(not lacking, "the scenes contain all words and cases of the list", *lacking)
     idle = [name for name in effects[0] if not any(effect[name] for effect in effects)]
-    check(idle == ["phong", "tessellation"] if "--shadows" in MORE else idle == ["shadows", "phong", "tessellation"],
+    used = ["shadows"] * ("--shadows" in MORE) + ["displace"] * len(DISPLACED)
+    check(idle == [name for name in ("shadows", "phong", "displace", "tessellation") if name not in used],
           "the scenes use every effect of OpenGL that a scene can ask for", *idle)
 
 
@@ -690,8 +706,9 @@ def main():
         replay(driver)
         run(driver, range(first, first + (count or [n])[0]))
     check_fault((64, 64))
-    for more, n_of in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS):
+    for more, n_of in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS), (["--shadows"], RELIEFS):
         MORE[:] = more
+        DISPLACED[:] = [True] * (n_of is RELIEFS)
         for driver, n in n_of.items():
             run(driver, range(8060, 8060 + n))
     done()
