@@ -144,10 +144,10 @@ static void print_reliefs(const struct plan *plan, struct printed *to)
         const struct shape *shape = &mesh->shape;
         if (shape->relief && (i == 0 || shape->relief != plan->meshes[i - 1].shape.relief))
             print(to,
-                  "relief            %s: %.3g texels a triangle of the %s in line %d, which misses "
+                  "relief            %s: %.3g texels a triangle of the %s (%s:%d), which misses "
                   "heights by %.2g (rms) of %g\n",
-                  shape->relief, mesh->relief_texels, shape_name(shape->kind), shape->place.line,
-                  mesh->relief_missed, shape->relief_height);
+                  shape->relief, mesh->relief_texels, shape_name(shape->kind), shape->place.path,
+                  shape->place.line, mesh->relief_missed, shape->relief_height);
     }
 }
 

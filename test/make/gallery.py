@@ -31,6 +31,7 @@ PICTURES = {
     "metals": ("metals", "450x300", (), AUTO),
     "textures": ("textures", "450x300", (), AUTO),
     "pasture": ("pasture", "450x300", (), AUTO),
+    "relief": ("relief", "450x300", (), AUTO),
     "room": ("room", "450x300", (), AUTO),
     "room-uv": ("room", "450x300", ALL_UV, AUTO),
     "fluorescence": ("fluorescence", "450x300", (), AUTO),

@@ -85,7 +85,7 @@ function with_light(text, line, {spectrum, intensity, vector, shadows}) {
 /* ---- objects ---- */
 
 const OBJECT_WORDS = new Set(["material", "materials", "scale", "rotate", "translate", "two-sided", "casts", "planar",
-  "repeat", "unitize", "crease"]);
+  "repeat", "displace", "unitize", "crease"]);
 
 /* Returns the parts of an object's statement: its shape, and each option with its words. */
 function object_parts(statement) {
@@ -173,6 +173,35 @@ function set_part(parts, name, values, also = []) {
   const found = parts.find(part => part.name === name || also.includes(part.name));
   if (found) Object.assign(found, {name, values});
   else parts.splice(1, 0, {name, values});
+}
+
+/* The divisions from which on a shape shows a relief, behind its lengths by the first one. */
+const DIVIDED = {sphere: [[], [96, 48]], torus: [[3], [48, 96]], box: [[1, 1], [32]], plane: [[1], [64]], cylinder: [[2], [96, 32]],
+  cone: [[2], [96, 32]], disk: [[], [96, 32]], teapot: [[], [20]]};
+
+const has_part = (parts, word) => parts.some(({name}) => name === word);
+
+function remove_part(parts, word) {
+  const at = parts.findIndex(({name}) => name === word);
+  if (at > 0) parts.splice(at, 1);
+}
+
+/* Gives an object a relief; "": takes it away. */
+function set_relief(parts, relief, height) {
+  if (!relief) return remove_part(parts, "displace");
+  set_part(parts, "displace", [relief, as_number(height)]);
+  fit_relief(parts);
+}
+
+/* Gives a shape with a relief as many divisions as show it, and a mesh texture coordinates, which may lack them. */
+function fit_relief(parts) {
+  if (!has_part(parts, "displace")) return;
+  if (parts[0].values[0] === "mesh") set_part(parts, "planar", []);
+  const [kind, first = kind === "torus" ? "0.25" : "1", ...sizes] = parts[0].values, fine = DIVIDED[kind];
+  if (!fine) return;
+  const lengths = fine[0].map((ratio, i) => sizes[i] ?? as_number(ratio * first));
+  const counts = fine[1].map((count, i) => String(Math.max(count, Number(sizes[lengths.length + i] ?? 0))));
+  parts[0].values = [kind, first, ...lengths, ...counts];
 }
 
 /* ---- the thesis's grid ---- */

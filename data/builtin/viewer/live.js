@@ -51,7 +51,7 @@ function show_refusal(error) {
 const catalogue = {}; /* what is built in, by its kind */
 
 async function read_catalogue() {
-  for (const kind of ["scenes", "materials", "textures", "shapes", "models"]) {
+  for (const kind of ["scenes", "materials", "textures", "reliefs", "shapes", "models"]) {
     const {output} = await run_program(["list", kind]);
     catalogue[kind] = output.split("\n").filter(line => line.startsWith("  ")).map(line => line.trim().split(" ")[0]);
   }
@@ -202,7 +202,8 @@ function object_facts() {
     const at = material ? material.words.findIndex((one, i) => i > 2 && one.text === word) : -1;
     return at > 0 ? material.words[at + 1].text : null;
   };
-  return {shape: parts[0].values, texture: after("texture"), gloss: after("gloss")};
+  const relief = parts.find(({name}) => name === "displace");
+  return {shape: parts[0].values, relief: relief ? relief.values : ["", "0"], texture: after("texture"), gloss: after("gloss")};
 }
 
 function refresh_object() {
@@ -217,6 +218,11 @@ function refresh_object() {
     files: Object.keys(state.files).filter(name => /[.]txt$/i.test(name)).map(name => [`file ${name}`, name])}, `own ${named}`);
   fill_menu("texture", {"": [["", "none"]], "built in": catalogue.textures.map(name => [name, name]),
     files: Object.keys(state.files).filter(name => /[.]tiff?$/i.test(name)).map(name => [name, name])}, facts.texture || "");
+  const [relief, height] = facts.relief || ["", "0"];
+  fill_menu("relief", {"": [["", "none"]], "built in": catalogue.reliefs.map(name => [name, name]),
+    files: Object.keys(state.files).filter(name => /[.]tiff?$/i.test(name)).map(name => [name, name])}, relief);
+  element("relief-slider").disabled = element("relief-height").disabled = !relief;
+  refresh_height(Number(height));
   const [kind, file] = facts.shape || [object ? object.shape : ""];
   fill_menu("object-shape", {shapes: catalogue.shapes.filter(name => name !== "mesh").map(name => [name, name]),
     models: catalogue.models.map(name => [`mesh ${name}`, name]),
@@ -231,7 +237,28 @@ function refresh_object() {
   if (document.activeElement !== element("grow")) element("grow").value = 1;
 }
 
+function refresh_height(height) {
+  const slider = element("relief-slider");
+  if (!gesture) [slider.min, slider.max] = [-1, 1].map(side => side * Math.max(0.3, 2 * Math.abs(height)));
+  if (!gesture) slider.value = height;
+  if (document.activeElement !== element("relief-height") || gesture) element("relief-height").value = height;
+}
+
+function listen_to_relief() {
+  const slider = element("relief-slider");
+  const edit_height = height => edit_object(GEOMETRY, parts => parts.find(({name}) => name === "displace").values[1] = as_number(height));
+  on_change("relief", value => edit_object(GEOMETRY | SPECTRA, parts => set_relief(parts, value, Number(element("relief-height").value) || 0.1)));
+  on_change("relief-height", (_, height) => Number.isFinite(height) && edit_height(height));
+  slider.addEventListener("pointerdown", begin_gesture);
+  slider.addEventListener("input", () => {
+    element("relief-height").value = +slider.valueAsNumber.toPrecision(3);
+    edit_height(Number(element("relief-height").value));
+  });
+  slider.addEventListener("pointerup", end_gesture);
+}
+
 function listen_to_object() {
+  listen_to_relief();
   element("copy-object").addEventListener("click", copy_object);
   element("remove-object").addEventListener("click", remove_object);
   on_change("material", value => {
@@ -242,11 +269,9 @@ function listen_to_object() {
   on_change("gloss", value => edit_material("gloss", value === "" ? null : value));
   on_change("object-shape", value => edit_object(GEOMETRY | SPECTRA, parts => {
     parts[0].values = value.split(" ");
-    for (const name of ["unitize", "crease"]) {
-      const at = parts.findIndex(part => part.name === name);
-      if (at > 0) parts.splice(at, 1);
-    }
+    for (const name of ["unitize", "crease"]) remove_part(parts, name);
     if (value.startsWith("mesh ")) parts.splice(1, 0, {name: "unitize", values: []});
+    fit_relief(parts);
   }));
   on_change("grow", (_, factor) => {
     if (factor > 0 && factor !== 1) edit_object(GEOMETRY, parts => scale_object(parts, factor));

@@ -195,7 +195,7 @@ def liars():
     hard = [f"data/builtin/hard/{name}.scene" for name in ("shadow-candle", "shadow-touch", "shadow-ground", "shadow-deep", "shadow-box-open")]
     hard += [f"test/cases/hard/{name}.scene" for name in ("shadow-touch-turned", "shadow-touch-ortho", "shadow-touched", "shadow-coplanar")]
     hard.append(SCENE)
-    built = ["colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "room", "spheres", "textures"]
+    built = ["colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "relief", "room", "spheres", "textures"]
     small = "--size", "90x60", "--wavelengths", "450,600"
     near = [near_surface(seed) for seed in range(amount(6, 60, 300))]
     if not FULL:

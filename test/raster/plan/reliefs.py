@@ -137,7 +137,7 @@ def counted():
     heights = 0.5 * np.flipud(tifffile.imread(path_of("noise.tif")) / 65535)
     at = lambda du, dv: sampled(heights, 3 * (u + du / 6), 2 * (v + dv / 6))  # noqa: E731
     off = [at(2 / 3, 1 / 3) - (at(0, 0) + at(1, 0) + at(1, 1)) / 3, at(1 / 3, 2 / 3) - (at(0, 0) + at(1, 1) + at(0, 1)) / 3]
-    line = re.search(r"noise.tif: (\S+) texels a triangle of the plane in line 8, which misses heights by (\S+) \(rms\) of 0.5", said)
+    line = re.search(r"noise.tif: (\S+) texels a triangle of the plane \(\S+:8\), which misses heights by (\S+) \(rms\) of 0.5", said)
     check(line and float(line[1]) == float(f"{12 * 3 * 8 * 2 / 72:.3g}") and float(line[2]) == float(f"{np.sqrt(np.square(off).mean()):.2g}"),
           "plan tells the texels in a triangle, and the heights that triangles miss", said, np.sqrt(np.square(off).mean()))
     finer = output_of("plan", path_of("plan.scene"), "--tessellation", "2")

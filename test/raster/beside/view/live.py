@@ -14,7 +14,7 @@ import numpy as np
 from browser import Browser, Firefox
 from rendered import LIVE, TMP, bytes_of, check, developed, done, output_of, path_of, run, write, write_camera
 
-SCENES = ("colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "room", "spheres", "textures")
+SCENES = ("colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "relief", "room", "spheres", "textures")
 SIZE = "96x64"
 
 
@@ -78,8 +78,8 @@ def fill(browser, field, text):
 EDITS = (
     ("fill", "place-x", "0.25", "translate 0.25 "), ("fill", "turn-y", "30", "rotate 30 0 1 0"),
     ("fill", "grow", "1.5", "scale 1.5"), ("fill", "gloss", "7", "^material plastic .*gloss 7 "),
-    ("choose", "texture", "checks", "texture checks linear"),
-    ("choose", "object-shape", "mesh vase", "object mesh vase unitize .*material plastic"),
+    ("choose", "texture", "checks", "texture checks linear"), ("choose", "relief", "weave", r"^object sphere 1.2 96 \d+ displace weave 0.1 "),
+    ("choose", "object-shape", "mesh vase", "object mesh vase .*unitize .*material plastic"),
     ("choose", "material", "file metals/gold", "material gold metals/gold"), ("fill", "extent", "33", "perspective 33"),
     ("fill", "eye-x", "2.5", "eye 2.5"), ("fill", "look-y", "0.5", r"look \S+ 0.5 "), ("fill", "size-width", "96", "^size 96 "),
     ("fill", "size-height", "48", r"^size \d+ 48$"), ("fill", "wavelengths", "450:650:20", "wavelengths 450 650 20"),
@@ -244,6 +244,29 @@ def shadows(browser, which):
     browser.tick("auto", True)
 
 
+def reliefs(browser, which):
+    """A relief of a plane, which gets divisions; its height by number and by slider, which is one step back; and none."""
+    browser.open(view(write("wall.scene", "camera ortho 3\nsize 120 80\nlight d65 1 direction 3 1 1\nmaterial wall { diffuse 0.7 }\n"
+                                          "object plane 2 material wall\n")))
+    browser.click(*browser.at(60, 40))
+    browser.settle()
+    flat = browser.pixels().astype(int)
+    changes(browser, f"{which}, a relief", lambda: browser.choose("relief", "bricks"),
+            lambda _, after: "object plane 2 2 64 displace bricks 0.1 material wall" in after)
+    check(np.std(browser.pixels().astype(int)[30:50, 40:80]) > 2 > np.std(flat[30:50, 40:80, 0]), f"{which}: the wall shows the relief")
+    height = lambda text: float(re.search(r"displace bricks (\S+)", text)[1])
+    changes(browser, f"{which}, its height", lambda: fill(browser, "relief-height", "-0.05"), lambda _, after: height(after) == -0.05)
+    at = lambda share: browser.evaluate("(() => { element('relief-slider').scrollIntoView({block: 'end'}); "
+                                        "const b = element('relief-slider').getBoundingClientRect();"
+                                        f"return [b.left + {share} * b.width, b.top + b.height / 2]; }})()")
+    n = browser.evaluate("past.length")
+    changes(browser, f"{which}, its slider", lambda: browser.drag(line(at(0.45), at(0.8))), lambda _, after: 0.1 < height(after) < 0.25)
+    check(browser.evaluate("past.length") == n + 1, f"{which}: a drag of the slider is one change to undo", n, browser.evaluate("past.length"))
+    agrees(browser, "wall", f"{which}, a relief")
+    changes(browser, f"{which}, no relief", lambda: browser.choose("relief", ""), lambda _, after: "object plane 2 2 64 material wall" in after)
+    check(browser.evaluate("element('relief-slider').disabled"), f"{which}: no height is asked for then")
+
+
 def statements(text, word):
     return [one for one in text.splitlines() if one.startswith(word)]
 
@@ -286,6 +309,7 @@ def controls(browser, which):
     agrees(browser, "spheres", f"{which}, after all other changes")
     browser.open(view(own("spheres"), "--size", "150x100"))
     more_and_fewer(browser, which)
+    reliefs(browser, which)
     browser.open(view(own("spheres"), "--size", "150x100"))
     shadows(browser, which)
     browser.open(view(own("colorchecker"), "--size", "150x100"))
