@@ -38,11 +38,6 @@ struct run candidate_run(const struct lit_scene *lit, const struct chunk *chunk,
                         .textured = textured};
 }
 
-size_t chunk_pixels(const struct chunk *chunk)
-{
-    return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
-}
-
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure)
 {
     const struct rectangle *rows = &check->chunk->picture.at;
