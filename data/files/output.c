@@ -198,7 +198,7 @@ bool outputs_readable(const struct outputs *outputs, int n, const char *path, co
     return true;
 }
 
-/* Of two outputs of one name the later would replace the earlier. */
+/* Refuses two outputs of one name: the later would replace the earlier. */
 bool outputs_commit(struct outputs *outputs, struct error *err)
 {
     bool done = true;
