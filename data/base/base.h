@@ -143,10 +143,6 @@ int threads_count(int wanted);
  * case, and returns after the last call. A thread takes the next i as soon as it is free. Where the
  * system starts fewer threads, those that there are do the work. */
 void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context);
-/* Does the same for n items in blocks of `block`: calls work(context, first, end) for the items
- * first .. end - 1. */
-void threads_blocks(int n_threads, size_t n, size_t block,
-                    void (*work)(void *context, size_t first, size_t end), void *context);
 
 /* A number that several threads add to; COUNTER begins it. */
 struct counter {

@@ -61,23 +61,3 @@ void threads_each(int n_threads, int n, void (*work)(void *context, int i), void
     for (int i = 0; i < n_others; i++)
         pthread_join(others[i], NULL);
 }
-
-struct blocks {
-    void (*work)(void *context, size_t first, size_t end);
-    void *context;
-    size_t n, block;
-};
-
-static void work_block(void *of, int i)
-{
-    const struct blocks *blocks = of;
-    const size_t first = (size_t)i * blocks->block, left = blocks->n - first;
-    blocks->work(blocks->context, first, first + (left < blocks->block ? left : blocks->block));
-}
-
-void threads_blocks(int n_threads, size_t n, size_t block,
-                    void (*work)(void *context, size_t first, size_t end), void *context)
-{
-    struct blocks blocks = {work, context, n, block};
-    threads_each(n_threads, (int)((n + block - 1) / block), work_block, &blocks);
-}

@@ -60,37 +60,29 @@ static bool read_all(int from, void *bytes, size_t length)
     return read_at(from, bytes, length, OWN_PLACE) == (ssize_t)length;
 }
 
-/* Reads the job's failure, if any, and its bytes, and waits until its process ends. */
-static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
-{
-    struct error failure;
-    int status = 0;
-    const bool whole = read_all(from, &failure, sizeof failure) && read_all(from, out, size);
-    if (!child_end(child, from, &status, err))
-        return false;
-    if (!whole)
-        return child_failed(status, err);
-    if (failure.status == EXIT_AGREED)
-        return true;
-    *err = failure;
-    return false;
-}
-
+/* The job's failure comes first, if any, and then its bytes. */
 bool process_run(process_job *job, void *context, void *out, size_t size, unsigned limit_s,
                  struct error *err)
 {
+    struct error failure = {.status = EXIT_AGREED};
     pid_t child;
-    int end;
+    int end, status = 0;
     if (!child_start(&child, &end, err))
         return false;
     if (child == 0) {
-        struct error failure = {.status = EXIT_AGREED};
         signal(SIGALRM, SIG_DFL);
         alarm(limit_s);
         job(context, out, &failure);
         _exit(!(write_all(end, &failure, sizeof failure) && write_all(end, out, size)));
     }
-    return await(child, end, out, size, err);
+    const bool whole = read_all(end, &failure, sizeof failure) && read_all(end, out, size);
+    if (!child_end(child, end, &status, err))
+        return false;
+    if (!whole)
+        return child_failed(status, err);
+    if (failure.status != EXIT_AGREED)
+        *err = failure;
+    return failure.status == EXIT_AGREED;
 }
 
 /* ---- this program again ---- */

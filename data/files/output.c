@@ -199,18 +199,14 @@ bool outputs_readable(const struct outputs *outputs, int n, const char *path, co
 }
 
 /* Refuses two outputs of one name: the later would replace the earlier. */
-static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
-{
-    const char *path = outputs->list[i].path, *other;
-    return outputs_readable(outputs, i, path, &other, err) &&
-           (!other || error_usage(err, "%s would be written twice; expected two files", path));
-}
-
 bool outputs_commit(struct outputs *outputs, struct error *err)
 {
     bool done = true;
-    for (int i = 0; done && i < outputs->n; i++)
-        done = spares_inputs(outputs->list[i].path, err) && is_one_of_its_own(outputs, i, err);
+    for (int i = 0; done && i < outputs->n; i++) {
+        const char *path = outputs->list[i].path, *other;
+        done = spares_inputs(path, err) && outputs_readable(outputs, i, path, &other, err) &&
+               (!other || error_usage(err, "%s would be written twice; expected two files", path));
+    }
     guard_hold();
     for (int i = 0; done && i < outputs->n; i++)
         done = commit(&outputs->list[i], err);
@@ -238,12 +234,10 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
                error_system(err, "cannot write to standard output");
     if (!output_open(&output, path, err))
         return false;
-    if (!write_all(output.descriptor, bytes, length)) {
-        write_fault(err, path);
-        output_discard(&output);
-        return false;
-    }
-    return output_pass(&output, outputs, err);
+    const bool done = (write_all(output.descriptor, bytes, length) || write_fault(err, path)) &&
+                      output_pass(&output, outputs, err);
+    output_discard(&output);
+    return done;
 }
 
 bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,

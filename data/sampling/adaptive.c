@@ -253,14 +253,6 @@ static void join_all(struct adaptive *a)
     }
 }
 
-static int pages_of(const struct adaptive *a)
-{
-    int n = 0;
-    for (int s = 0; s < a->n; s++)
-        n += a->segments[s].n;
-    return n;
-}
-
 /* Returns whether all segments together keep the tolerance. */
 static bool is_within(const struct adaptive *a, double tolerance)
 {
@@ -279,8 +271,11 @@ static bool is_within(const struct adaptive *a, double tolerance)
 
 static void keep_fewest(struct adaptive *a, double tolerance)
 {
-    if ((a->fewest == 0 || pages_of(a) < a->fewest) && is_within(a, tolerance)) {
-        a->fewest = pages_of(a);
+    int n_pages = 0;
+    for (int s = 0; s < a->n; s++)
+        n_pages += a->segments[s].n;
+    if ((a->fewest == 0 || n_pages < a->fewest) && is_within(a, tolerance)) {
+        a->fewest = n_pages;
         a->n_best = a->n;
         memcpy(a->best, a->segments, (size_t)a->n * sizeof *a->best);
     }

@@ -102,33 +102,26 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
 
 /* ---- terms ---- */
 
-/* Makes components of the row. The components of a term are not negative. A sum of n products is
- * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
-static void analyse(const struct spectral_pages *pages, const double *row, double *out)
-{
-    const double *analysis = pages->analysis;
-    for (int page = 0; page < pages->n; page++, analysis += pages->n_nm) {
-        const double sum = sampling_dot(analysis, row, pages->n_nm);
-        out[page] = sum < 0 ? 0 : sum;
-    }
-}
-
-/* Makes a term of the row, which becomes 0 again. */
+/* Makes a term of the row, or of its components, and the row becomes 0 again. The components of a
+ * term are not negative. A sum of n products is off by at most n 2^-53 of the sum of their
+ * magnitudes; a sum below 0 is such an error. */
 static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
 {
     const struct spectral_pages *pages = &maker->illumination->pages;
-    const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
-    double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
+    const size_t length = (size_t)product_length(pages);
+    double *spectrum = maker->out->spectra + (size_t)maker->out->n * (size_t)pages->n;
     struct spectral_term term = {.kind = kind, .light = light};
-    if (pages->of_products)
-        analyse(pages, maker->row, spectrum);
-    else
-        memcpy(spectrum, maker->row, n * sizeof *spectrum);
-    memset(maker->row, 0, length * sizeof *maker->row);
     for (int i = 0; i < pages->n; i++) {
+        spectrum[i] = maker->row[i];
+        if (pages->of_products) {
+            const double *analysis = pages->analysis + (size_t)i * length;
+            const double sum = sampling_dot(analysis, maker->row, pages->n_nm);
+            spectrum[i] = sum < 0 ? 0 : sum;
+        }
         term.peak = fmax(term.peak, spectrum[i]);
         term.mean += spectrum[i] / pages->n;
     }
+    memset(maker->row, 0, length * sizeof *maker->row);
     maker->out->terms[maker->out->n++] = term;
 }
 

@@ -86,12 +86,6 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
 
 /* ---- scenes and lists ---- */
 
-/* Returns the name of a command line as a word. */
-static struct word name_word(const char *name)
-{
-    return (struct word){.start = name, .length = strlen(name)};
-}
-
 bool scene_is_input(const char *path)
 {
     return strcmp(path, standard_input) == 0;
@@ -99,7 +93,7 @@ bool scene_is_input(const char *path)
 
 bool scene_is_missing(const char *name, bool *out, struct error *err)
 {
-    const struct word word = name_word(name);
+    const struct word word = {.start = name, .length = strlen(name)};
     char *path;
     const bool done = word_file(&word, FILE_SCENE, &path, err);
     *out = done && file_is_missing(path);
@@ -138,7 +132,7 @@ static void digest_files(struct scene *scene)
 /* Opens SCENE, and keeps it. */
 static bool open_named(struct scene *scene, const char *name, struct text *out, struct error *err)
 {
-    const struct word named = name_word(name);
+    const struct word named = {.start = name, .length = strlen(name)};
     const bool input = strcmp(name, "-") == 0;
     return string_copy(input ? standard_input : name, &scene->path, err) &&
            (input ? text_open(out, standard_input, NOWHERE, 0, err) && scene_keep(scene, out, err)
@@ -150,7 +144,7 @@ static bool open_named(struct scene *scene, const char *name, struct text *out, 
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
     struct scene *scene = reader->scene;
-    const struct word grid = name_word("colorchecker");
+    const struct word grid = {.start = "colorchecker", .length = strlen("colorchecker")};
     struct text text;
     bool list = false;
     if (!open_named(scene, name, &text, err) || !is_list(text, &list, err))

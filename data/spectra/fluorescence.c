@@ -189,15 +189,6 @@ static bool read_row(struct matrix_table *table, const struct word *first, struc
     return text_end(&table->text, "this row", err);
 }
 
-/* Turns densities, per nm of emission, into shares of bands. */
-static void make_shares(struct donaldson *matrix)
-{
-    double *share = matrix->share;
-    for (struct walk walk = walk_start(&matrix->emission, &none); walk_step(&walk);)
-        for (int i = 0; i < matrix->excitation.count; i++)
-            *share++ *= walk.weight;
-}
-
 /* The diagonal becomes the diffuse reflectance, unless it is 0. */
 static bool take_diagonal(struct matrix_table *table, struct spectrum *diffuse, struct error *err)
 {
@@ -266,8 +257,11 @@ bool donaldson_read(const char *path, struct place from, bool densities, struct 
     bool done = read_header(&table, err);
     while (done && text_next_line(&table.text))
         done = !text_word(&table.text, &word) || read_row(&table, &word, err);
-    if (done && densities)
-        make_shares(out);
+    double *share = out->share; /* densities, per nm of emission, become shares of bands */
+    for (struct walk walk = walk_start(&out->emission, &none);
+         done && densities && walk_step(&walk);)
+        for (int i = 0; i < out->excitation.count; i++)
+            *share++ *= walk.weight;
     table.diagonal.place = from; /* its own ends with the text */
     done = done && take_diagonal(&table, diffuse, err) && check_shares(&table, diffuse, err);
     spectrum_free(&table.diagonal);

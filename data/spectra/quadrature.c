@@ -223,16 +223,6 @@ static void find_nodes(const struct polynomials *p, int n, struct quadrature *ou
     }
 }
 
-static bool find_weights(const struct polynomials *p, int n, struct quadrature *out)
-{
-    bool good = out->n == n;
-    for (int i = 0; i < n && good; i++) {
-        out->weight[i] = christoffel(p, n, out->node[i]);
-        good = isfinite(out->weight[i]) && (i == 0 || out->node[i] > out->node[i - 1]);
-    }
-    return good;
-}
-
 bool quadrature_discrete(const double *x, const double *w, int count, int n, struct quadrature *out)
 {
     struct polynomials p = {.x = x, .w = w, .count = count};
@@ -244,11 +234,16 @@ bool quadrature_discrete(const double *x, const double *w, int count, int n, str
     p.centre = (x[0] + x[count - 1]) / 2;
     p.half = count > 1 ? (x[count - 1] - x[0]) / 2 : 1;
     p.value = malloc((size_t)(n + 1) * (size_t)count * sizeof *p.value);
-    const bool made = p.value != NULL && make_polynomials(&p, n);
-    if (made)
+    bool good = p.value != NULL && make_polynomials(&p, n);
+    free(p.value); /* nodes and weights need the recurrence alone */
+    if (good)
         find_nodes(&p, n, out);
-    free(p.value);
-    return made && find_weights(&p, n, out);
+    good = good && out->n == n;
+    for (int i = 0; i < n && good; i++) {
+        out->weight[i] = christoffel(&p, n, out->node[i]);
+        good = isfinite(out->weight[i]) && (i == 0 || out->node[i] > out->node[i - 1]);
+    }
+    return good;
 }
 
 double quadrature_lagrange(const double *node, int n, int i, double x)

@@ -143,15 +143,22 @@ static bool conclude(struct joined *joined, struct error *err)
 
 /* ---- rows ---- */
 
-/* Lays out the whole stack. The lines of its scale and of its object map are stack_open's. */
+/* Lays out the whole stack, which the first part describes. The lines of its scale and of its
+ * object map are stack_open's. */
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
     const struct cube *part = &joined->first;
+    struct raw_samples layout = {.bits = 0};
     struct sampling_method method;
-    bool done = MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
+    bool done = image_describe(&part->image, &layout, err) &&
+                (joined->record = common_lines(part, err)) &&
+                MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &method, err);
+    joined->bits = layout.bits;
+    joined->has_sums = stack_verdict_read(part->image.verdict, &joined->sums);
+    joined->sums = (struct stack_verdict){.samples = 0};
     const struct stack_options options = {.width = part->image.width,
                                           .height = (int)part->record.rows.value[2],
                                           .n_wavelengths = part->image.n_pages,
@@ -227,20 +234,6 @@ static bool add_part(struct joined *joined, const struct cube *part, struct erro
            add_verdict(joined, part, err) && copy_rows(joined, part, layout.offset, err);
 }
 
-/* Lays out the whole stack, which the first part describes. */
-static bool begin(struct joined *joined, const struct options *options, struct error *err)
-{
-    struct cube *first = &joined->first;
-    struct raw_samples layout;
-    if (!image_describe(&first->image, &layout, err))
-        return false;
-    joined->bits = layout.bits;
-    joined->record = common_lines(first, err);
-    joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
-    joined->sums = (struct stack_verdict){.samples = 0};
-    return joined->record && open_whole(joined, options->output, err);
-}
-
 /* Refuses a picture that lacks rows. */
 static bool check_rows(const struct joined *joined, struct error *err)
 {
@@ -291,8 +284,8 @@ static bool run_join(struct options *options, struct error *err)
     struct joined joined = {.record = NULL};
     if (!options->output || !options->operand || picture_is_png(options->output))
         return error_usage(err, "join takes -o STACK.tif and the stacks of parts");
-    bool done = open_part(options->operand, &joined.first, err) && begin(&joined, options, err) &&
-                add_part(&joined, &joined.first, err);
+    bool done = open_part(options->operand, &joined.first, err) &&
+                open_whole(&joined, options->output, err) && add_part(&joined, &joined.first, err);
     for (int i = 1; done && i < options->n_operands; i++) {
         struct cube part = {.components = false};
         done = open_part(options->operands[i], &part, err) && add_part(&joined, &part, err);

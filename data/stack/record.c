@@ -67,7 +67,7 @@ static void put_value(struct printed *to, const char *value)
     }
 }
 
-static void put_line(struct printed *to, const char *key, const char *value)
+void record_put(struct printed *to, const char *key, const char *value)
 {
     print(to, "%s: ", key);
     put_value(to, value);
@@ -187,10 +187,10 @@ static void put_sampling(struct printed *to, const struct sampling *sampling)
     const int n = sampling->pages.n;
     char name[SAMPLING_NAME];
     sampling_name(&sampling->method, name);
-    put_line(to, "sampling", name);
-    put_line(to, "sampling_detector", sampling->detector);
+    record_put(to, "sampling", name);
+    record_put(to, "sampling_detector", sampling->detector);
     if (!sampling->spectral)
-        put_line(to, "components", "yes");
+        record_put(to, "components", "yes");
     if (sampling->fixed) {
         put_numbers(to, "response_range", range_nm, 2);
         put_numbers(to, "response", sampling->weights, 3 * n);
@@ -230,37 +230,32 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
     const struct scene *scene = made->scene;
     struct inputs inputs;
     const bool done = inputs_list(scene, made->detector, false, &inputs, err);
-    put_line(to, "program", PROGRAM);
-    put_line(to, "scene", scene->path);
-    put_line(to, "scene_sha256", scene->sha256);
+    record_put(to, "program", PROGRAM);
+    record_put(to, "scene", scene->path);
+    record_put(to, "scene_sha256", scene->sha256);
     for (int i = 0; i < inputs.n; i++)
-        put_line(to, "file", inputs.file[i]);
+        record_put(to, "file", inputs.file[i]);
     inputs_free(&inputs);
     for (int i = 0; i < made->n_options; i++)
-        put_line(to, "option", made->options[i]);
-    put_line(to, "renderer", made->renderer);
+        record_put(to, "option", made->options[i]);
+    record_put(to, "renderer", made->renderer);
     if (made->mipmaps)
-        put_line(to, "mipmaps", made->mipmaps);
+        record_put(to, "mipmaps", made->mipmaps);
     put_lights(to, "light", scene->lights, scene->n_lights);
     put_lights(to, "ambient", scene->ambients, scene->n_ambients);
     if (scene_is_absolute(scene))
-        put_line(to, "unit", ABSOLUTE_UNIT);
+        record_put(to, "unit", ABSOLUTE_UNIT);
     return done && put_light(to, scene, made->sampling, err);
 }
 
 void record_put_beside(struct printed *to, const char *what, const struct scene *scene,
                        const struct options *options)
 {
-    put_line(to, "program", PROGRAM);
-    put_line(to, what, scene->path);
-    put_line(to, "SHA-256 of the scene", scene->sha256);
+    record_put(to, "program", PROGRAM);
+    record_put(to, what, scene->path);
+    record_put(to, "SHA-256 of the scene", scene->sha256);
     for (int i = 0; i < options->n_recorded; i++)
-        put_line(to, "option", options->recorded[i]);
-}
-
-void record_put_object(struct printed *to, const char *name)
-{
-    put_line(to, "object", name);
+        record_put(to, "option", options->recorded[i]);
 }
 
 void record_put_part(struct printed *to, const struct part_rows *rows, int height,

@@ -90,10 +90,10 @@ struct recorded {
 };
 /* Print lines "KEY: VALUE" of a record; in values, control characters, bytes that are no UTF-8, and
  * '%' become %XX, as in a URL. First comes the scene with its files, lights, white and sampling;
- * then the objects; last, of a part, its rows of the picture, which has `height`, and n wavelengths
- * (components: 0). */
+ * then each object, with the key "object"; last, of a part, its rows of the picture, which has
+ * `height`, and n wavelengths (components: 0). */
+void record_put(struct printed *to, const char *key, const char *value);
 bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err);
-void record_put_object(struct printed *to, const char *name);
 /* Prints whence a file comes that is no stack: the program, the scene of `what` ("maps of"), its
  * digest, the options. */
 void record_put_beside(struct printed *to, const char *what, const struct scene *scene,

@@ -40,31 +40,6 @@ static void words_key(struct json *json, const char *key)
         print(&json->printed, "%s%s ", json->n_row == 3 ? ": " : ", ", key);
 }
 
-static void words_open(struct json *json, const char *key, char bracket)
-{
-    if (bracket == '[')
-        json->list = key;
-    else if (json->list) {
-        put_name(json, NULL);
-        json->n_row = 1;
-    } else {
-        if (key)
-            print(&json->printed, "%*s%s\n", 2 * json->depth, "", key);
-        json->depth++;
-    }
-}
-
-static void words_close(struct json *json, char bracket)
-{
-    if (bracket == ']')
-        json->list = NULL;
-    else if (json->list) {
-        print_text(&json->printed, "\n");
-        json->n_row = 0;
-    } else
-        json->depth--;
-}
-
 /* ---- either ---- */
 
 static void json_key(struct json *json, const char *key)
@@ -91,21 +66,33 @@ static void put_value(struct json *json, const char *key, const char *value, con
 
 void json_open(struct json *json, const char *key, char bracket)
 {
-    if (json->words) {
-        words_open(json, key, bracket);
-        return;
+    if (!json->words) {
+        json_key(json, key);
+        print(&json->printed, "%c", bracket);
+        json->separated = false;
+    } else if (bracket == '[')
+        json->list = key;
+    else if (json->list) {
+        put_name(json, NULL);
+        json->n_row = 1;
+    } else {
+        if (key)
+            print(&json->printed, "%*s%s\n", 2 * json->depth, "", key);
+        json->depth++;
     }
-    json_key(json, key);
-    print(&json->printed, "%c", bracket);
-    json->separated = false;
 }
 
 void json_close(struct json *json, char bracket)
 {
-    if (json->words)
-        words_close(json, bracket);
-    else
+    if (!json->words)
         print(&json->printed, "%c", bracket);
+    else if (bracket == ']')
+        json->list = NULL;
+    else if (json->list) {
+        print_text(&json->printed, "\n");
+        json->n_row = 0;
+    } else
+        json->depth--;
     json->separated = true;
 }
 

@@ -184,12 +184,10 @@ bool text_rest(struct text *text, struct word *out)
 
 int word_shown(const struct word *word)
 {
-    size_t length = word->length;
-    if (length > 40) { /* cuts between characters of UTF-8 */
-        length = 40;
-        while (length > 0 && ((unsigned char)word->start[length] & 0xC0) == 0x80)
-            length--;
-    }
+    const size_t most = 40;
+    size_t length = word->length < most ? word->length : most;
+    while (length > 0 && length < word->length && (word->start[length] & 0xC0) == 0x80)
+        length--; /* cuts between characters of UTF-8 */
     return (int)length;
 }
 

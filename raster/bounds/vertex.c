@@ -268,12 +268,14 @@ void light_work_add(struct light_work *to, const struct light_work *from)
     to->power_functions += from->power_functions;
 }
 
-static void make_vertices(void *context, size_t first, size_t end)
+/* Makes the vertices of block number `block`. */
+static void make_vertices(void *context, int block)
 {
     struct bounding *of = context;
+    const int first = block * BLOCK_VERTICES, n = of->surface->instance->n_vertices;
     struct light_work work = {0};
-    for (size_t i = first; i < end; i++)
-        make_vertex(of, (int)i, &work);
+    for (int i = first; i < n && i < first + BLOCK_VERTICES; i++)
+        make_vertex(of, i, &work);
     pthread_mutex_lock(&of->lock);
     light_work_add(&of->lit->work, &work);
     pthread_mutex_unlock(&of->lock);
@@ -290,8 +292,9 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     if (!allocate(&of, placed, err))
         return false;
     of.may_be_exact = may_be_exact(lit, &placed->instance, &of.product);
-    threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
-                   make_vertices, &of);
+    threads_each(lit->plan->options.threads,
+                 (placed->instance.n_vertices + BLOCK_VERTICES - 1) / BLOCK_VERTICES, make_vertices,
+                 &of);
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;

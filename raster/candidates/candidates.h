@@ -91,6 +91,8 @@ struct chunk {
     size_t n_ambiguous, n_candidates, n_numbers;
 };
 
+size_t chunk_pixels(const struct chunk *chunk);
+
 /* ---- chunk.c: the loop over tiles ---- */
 
 /* A tile of a region of the picture. */

@@ -15,6 +15,11 @@ struct bounding {
     struct bounded_pixel pixel;
 };
 
+size_t chunk_pixels(const struct chunk *chunk)
+{
+    return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
+}
+
 /* ---- ambiguous pixels ---- */
 
 /* Returns a bound on OpenGL's error relative to a depth that is stored in single precision. */
@@ -313,7 +318,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
 {
     struct chunk *out = bounding->chunk;
     const struct fragment_list *list = &bounding->fragments.pixels[index];
-    size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height;
+    const size_t n_pixels = chunk_pixels(out);
     struct texel_point choices[TEXEL_CHOICES];
     if (list->head < 0)
         return false;
@@ -361,8 +366,7 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
  * machine. */
 static bool make_rows(struct chunk *out, const struct plan *plan)
 {
-    const struct rectangle *at = &out->picture.at;
-    const size_t n = (size_t)at->width * (size_t)at->height * (size_t)plan->max_rows;
+    const size_t n = chunk_pixels(out) * (size_t)plan->max_rows;
     out->rows = out->picture.rows;
     if (!checks_other_rows(plan))
         return true;
@@ -376,8 +380,7 @@ static bool allocate(struct bounding *bounding)
 {
     struct chunk *out = bounding->chunk;
     const struct plan *plan = bounding->fragments.tile->lit->plan;
-    size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height,
-           n_rows = (size_t)plan->max_rows;
+    const size_t n_pixels = chunk_pixels(out), n_rows = (size_t)plan->max_rows;
     return pixel_open(&bounding->fragments, &bounding->pixel) &&
            memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
            memory_make(&out->own, n_pixels * n_rows, sizeof *out->own) &&
@@ -388,11 +391,10 @@ static bool allocate(struct bounding *bounding)
 
 static bool find_candidates(const struct tile *tile, struct chunk *chunk)
 {
-    const struct rectangle *at = &chunk->picture.at;
-    const size_t n_pixels = (size_t)at->width * (size_t)at->height;
-    struct bounding bounding = {.chunk = chunk, .fragments = {.tile = tile, .rows = *at}};
+    struct bounding bounding = {.chunk = chunk,
+                                .fragments = {.tile = tile, .rows = chunk->picture.at}};
     bool done = fragments_find(&bounding.fragments) && allocate(&bounding);
-    for (size_t i = 0; i < n_pixels && done; i++)
+    for (size_t i = 0; i < chunk_pixels(chunk) && done; i++)
         done = resolve_pixel(&bounding, i);
     fragments_free(&bounding.fragments);
     pixel_close(&bounding.pixel);
@@ -409,7 +411,7 @@ static bool draw_rows(const struct lit_scene *lit, struct chunk *out)
         return false;
     if (plan->view.n_shadowed == 0)
         return true;
-    if (!memory_make(&out->dark, (size_t)rows.width * (size_t)rows.height, sizeof *out->dark))
+    if (!memory_make(&out->dark, chunk_pixels(out), sizeof *out->dark))
         return false;
     picture_shadow(&plan->view, &lit->occluders, &out->picture, out->dark);
     return true;

@@ -38,11 +38,6 @@ struct run candidate_run(const struct lit_scene *lit, const struct chunk *chunk,
                         .textured = textured};
 }
 
-size_t chunk_pixels(const struct chunk *chunk)
-{
-    return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
-}
-
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure)
 {
     const struct rectangle *rows = &check->chunk->picture.at;
@@ -108,12 +103,6 @@ static bool is_outside(const struct block *block, size_t i, int band, struct che
     return !(rest_size(block, i) <= block->fit.limit[i]);
 }
 
-/* The largest error that could pass in this band alone. */
-static float band_floor(const struct block *block, size_t i)
-{
-    return block->fit.floor[i] < block->bound[i] ? block->fit.floor[i] : block->bound[i];
-}
-
 /* ---- pixels with a single candidate ---- */
 
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
@@ -126,13 +115,15 @@ static void raise_ratios(float *ratio, const struct block *block)
     }
 }
 
-/* Raises the floors of a block's pixels to those of its samples. */
+/* Raises the floors of a block's pixels to those of its samples; alone: to the largest error that
+ * could pass in this band alone. */
 VECTORIZED static void raise_floors(const struct block *block, float *restrict floor,
                                     float *restrict alone)
 {
     for (size_t i = 0; i < block->n; i++) {
-        const float of_band = band_floor(block, i);
-        floor[i] = floor[i] < block->bound[i] ? block->bound[i] : floor[i];
+        const float bound = block->bound[i], fitted = block->fit.floor[i],
+                    of_band = fitted < bound ? fitted : bound;
+        floor[i] = floor[i] < bound ? bound : floor[i];
         alone[i] = alone[i] < of_band ? of_band : alone[i];
     }
 }

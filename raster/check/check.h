@@ -181,7 +181,6 @@ struct check {
     float *estimates;           /* [row][pixel]: see fit_rows */
     float *candidate_estimates; /* [candidate][row] */
 };
-size_t chunk_pixels(const struct chunk *chunk);
 /* Returns the run of pixels from `first` on, below `end` and within a block, that show its surface
  * without ambiguity, none if it is ambiguous; or that of a candidate; NULL: of the background.
  * `textured` has room for a block. */

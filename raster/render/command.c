@@ -44,7 +44,6 @@ static bool check_same_scene(const struct options *options, const struct scene *
 
 /* A render that is done. */
 struct rendered {
-    const struct options *options;
     const struct plan *plan;
     const struct render_output *output;
     const struct record *made; /* of the stack that is made again; NULL: the stack is new */
@@ -69,7 +68,7 @@ static bool write_json(const struct rendered *of, struct error *err)
     if (of->result.bounds_for)
         json_count(&json, "unbounded_pixels", of->result.open_pixels);
     json_string(&json, "sha256", stack ? sha256 : NULL);
-    return json_write(&json, of->options->json, outputs, err);
+    return json_write(&json, of->output->options->json, outputs, err);
 }
 
 /* Prints the name of a header of an older stack, which stays where it is: it may give wrong places
@@ -91,7 +90,7 @@ static bool print_header(const char *stack, struct printed *to, struct error *er
 static bool print_report(const struct rendered *of, struct printed *to, struct error *err)
 {
     const struct render_output *output = of->output;
-    const struct render_options *own = of->options->own;
+    const struct render_options *own = output->options->own;
     const struct stack_difference *difference = &of->result.difference;
     report_print(of->plan, &of->result, to);
     if (output->check_map && picture_is_png(output->check_map)) {
@@ -116,7 +115,7 @@ static bool print_report(const struct rendered *of, struct printed *to, struct e
  * map may use standard output. */
 static bool show_report(const struct rendered *of, struct error *err)
 {
-    const struct options *options = of->options;
+    const struct options *options = of->output->options;
     const char *map = of->output->check_map;
     const int to = options_table(options, map && output_is_stream(map) ? map : of->stored);
     struct json words;
@@ -160,19 +159,20 @@ static bool check_maps(const struct options *options, const struct scene *scene,
 static bool render_job(const struct render_job *job, struct rendered *of, struct error *err)
 {
     const struct render_output *output = of->output;
+    const struct options *options = output->options;
     struct progress_line line;
-    const bool shown = progress_start(&line, of->options->quiet);
+    const bool shown = progress_start(&line, options->quiet);
     if (!render(of->plan, output, shown ? &line : NULL, &of->result, err))
         return false;
     for (int i = 0; map_makers[i]; i++)
-        if (!map_makers[i]->write(of->options, job, &of->result, output->outputs, err))
+        if (!map_makers[i]->write(options, job, &of->result, output->outputs, err))
             return false;
     of->result.seconds.read += job->seconds.read;
     of->result.seconds.plan = job->seconds.plan;
     of->result.seconds.total += job->seconds.read + job->seconds.plan;
     if (!output->discard && (output->keep || render_agreed(of->plan, &of->result)))
         of->stored = output->path;
-    return (!of->options->json || write_json(of, err)) && show_report(of, err) && conclude(of, err);
+    return (!options->json || write_json(of, err)) && show_report(of, err) && conclude(of, err);
 }
 
 bool render_with_options(const struct options *options, const struct render_output *output,
@@ -184,8 +184,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     complete.options = options;
     complete.limits = &job.limits;
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
-    struct rendered rendered = {
-        .options = options, .plan = &job.plan, .output = &complete, .made = made};
+    struct rendered rendered = {.plan = &job.plan, .output = &complete, .made = made};
     const bool done = check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
                       check_stack_name(own->bounds, err) &&
                       (!output->check_map || picture_accepts(output->check_map, err)) &&

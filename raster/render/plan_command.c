@@ -2,23 +2,16 @@
 /* spectral plan: what would be simulated, and why. */
 #include "raster/render/inside.h"
 
-/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
-static bool make_notes(const struct plan *plan, struct notes *out, struct error *err)
-{
-    struct lit_scene lit;
-    const bool done =
-        lit_make(plan, driver_of(NULL), &lit, err) && notes_make(&lit, MANY_PIXELS, out, err);
-    lit_free(&lit);
-    return done;
-}
-
+/* Refuses what lit_make refuses, as a render does. */
 static bool run_plan(struct options *options, struct error *err)
 {
     struct render_job job = {.options = {.threads = options->threads}};
+    struct lit_scene lit = {.plan = NULL};
     struct json json;
     (options->json ? json_begin : words_begin)(&json);
     if (scene_read_sampled(options, &job.scene, &job.sampling, err) &&
-        job_plan(options, &job, err) && make_notes(&job.plan, &job.notes, err)) {
+        job_plan(options, &job, err) && lit_make(&job.plan, driver_of(NULL), &lit, err) &&
+        notes_make(&lit, MANY_PIXELS, &job.notes, err)) {
         plan_facts(&job.plan, &json);
         if (job.notes.shading)
             shading_judge->put(&job.plan, job.notes.shading, &json);
@@ -26,6 +19,7 @@ static bool run_plan(struct options *options, struct error *err)
         plan_put_files(&job.plan, options->detector, &json, err);
     }
     const bool done = json_write(&json, options->json, &options->outputs, err);
+    lit_free(&lit);
     job_free(&job);
     return done;
 }

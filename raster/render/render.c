@@ -109,7 +109,7 @@ static char *make_provenance(const struct rendering *of, struct error *err)
     struct printed lines = {.text = NULL};
     record_put_scene(&lines, &made, err);
     for (int i = 0; i < plan->n_instances && plan->map_bytes > 0; i++)
-        record_put_object(&lines, object_name(plan, i));
+        record_put(&lines, "object", object_name(plan, i));
     if (rows->count > 0)
         record_put_part(&lines, rows, plan->scene->height, plan->scene->wavelengths_nm,
                         has_components(plan) ? 0 : plan->n_bands);

@@ -213,40 +213,29 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
                : store_gl(stored, counted->n_pages, &picture->at, pixels_of(of, chunk), of->stride);
 }
 
-/* Judges and counts a chunk while its pixels are in the cache. */
-static void treat_chunk(struct tile_pass *of, int i)
-{
-    struct odd_samples *sums = &of->state->of->result->odd;
-    double since = clock_seconds(), judging = 0, counting = 0;
-    struct odd_samples odd = {0, 0};
-    if (of->state->checks)
-        check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride,
-                   false);
-    clock_in(&since, &judging);
-    if (of->state->counted.n_pages > 0)
-        odd = count_bands(of, i);
-    clock_in(&since, &counting);
-    pthread_mutex_lock(&of->lock);
-    of->judging += judging;
-    of->storing += counting;
-    sums->clipped += odd.clipped;
-    sums->undefined += odd.undefined;
-    pthread_mutex_unlock(&of->lock);
-}
-
-/* Work 0 writes what the pass before has counted, while other threads treat the chunks. */
+/* Work 0 writes what the pass before has counted, while other threads judge and count the chunks:
+ * each while its pixels are in the cache. */
 static void write_or_treat(void *context, int i)
 {
     struct tile_pass *of = context;
-    double since = clock_seconds(), seconds = 0;
-    if (i > 0) {
-        treat_chunk(of, i - 1);
-        return;
+    struct state *state = of->state;
+    struct odd_samples *sums = &state->of->result->odd, odd = {0, 0};
+    double since = clock_seconds(), judging = 0, storing = 0;
+    if (i == 0)
+        of->failed = !write_counted(state, &state->written, of->err);
+    if (i > 0 && state->checks) {
+        check_pass(&state->checks[i - 1], of->pass * BANDS_PER_PASS, pixels_of(of, i - 1),
+                   of->stride, false);
+        clock_in(&since, &judging);
     }
-    of->failed = !write_counted(of->state, &of->state->written, of->err);
-    clock_in(&since, &seconds);
+    if (i > 0 && state->counted.n_pages > 0)
+        odd = count_bands(of, i - 1);
+    clock_in(&since, &storing);
     pthread_mutex_lock(&of->lock);
-    of->storing += seconds;
+    of->judging += judging;
+    of->storing += storing;
+    sums->clipped += odd.clipped;
+    sums->undefined += odd.undefined;
     pthread_mutex_unlock(&of->lock);
 }
 

@@ -6,10 +6,7 @@
 
 #include "raster/beside/see/inside.h"
 
-enum {
-    CHUNK_BYTES = 28 << 21, /* at most, or one row */
-    BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
-};
+enum { CHUNK_BYTES = 28 << 21 }; /* at most, or one row */
 
 /* ---- sums of weighted pages ---- */
 
@@ -121,12 +118,13 @@ static uint64_t store_channels(const struct development *of, size_t pixel, const
     return below_0;
 }
 
-static void store_pixels(void *context, size_t first, size_t end)
+static void store_row(void *context, int row)
 {
     struct development *of = context;
-    const size_t n_channels = (size_t)of->sight.n;
+    const size_t n_channels = (size_t)of->sight.n, width = (size_t)of->cube.image.width,
+                 first = (size_t)row * width;
     uint64_t clipped = 0;
-    for (size_t i = first; i < end; i++) {
+    for (size_t i = first; i < first + width; i++) {
         double values[MOST_CHANNELS];
         for (size_t channel = 0; channel < n_channels; channel++)
             values[channel] = of->exposure * of->sums[channel * of->stride + i];
@@ -288,7 +286,7 @@ static bool write_picture(struct development *of, struct error *err)
         return false;
     for (int y = 0; done && y < of->cube.image.height; y += of->most) {
         done = sum_rows(of, y, err);
-        threads_blocks(threads_count(of->options->threads), of->n, BLOCK_PIXELS, store_pixels, of);
+        threads_each(threads_count(of->options->threads), (int)of->n / width, store_row, of);
         done = done && (is_raw ? put_raw(of, &raw, err)
                                : picture_write(&picture, of->samples, (int)of->n / width, err));
     }

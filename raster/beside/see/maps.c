@@ -187,7 +187,7 @@ static char *make_record(const struct maps *of, const struct options *options, s
     char whose[32];
     record_put_beside(&lines, "maps of", plan->scene, options);
     for (int i = 0; i < plan->n_instances; i++)
-        record_put_object(&lines, object_name(plan, i));
+        record_put(&lines, "object", object_name(plan, i));
     if (!has_components(plan))
         put_numbers(&lines, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
     if (material_terms_make(&plan->illumination, &white, &diffuser, err))

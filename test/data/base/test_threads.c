@@ -22,14 +22,6 @@ static void count_one(void *context, int i)
     counter_add(&counts->calls, 1);
 }
 
-static void count_block(void *context, size_t first, size_t end)
-{
-    struct counts *counts = context;
-    for (size_t i = first; i < end; i++)
-        counts->of[i]++;
-    counter_add(&counts->calls, 1);
-}
-
 static bool all_once(const struct counts *counts, int n)
 {
     for (int i = 0; i < MOST; i++)
@@ -44,15 +36,11 @@ static void test_loops(void)
     static struct counts counts;
     for (size_t t = 0; t < 5; t++)
         for (size_t l = 0; l < 5; l++) {
-            const int n = lengths[l], block = 64, n_blocks = (n + block - 1) / block;
+            const int n = lengths[l];
             counts = (struct counts){.calls = COUNTER};
             threads_each(threads[t], n, count_one, &counts);
             CHECK(all_once(&counts, n) && counts.calls.n == (uint64_t)n,
                   "%d threads do each of %d parts once", threads[t], n);
-            counts = (struct counts){.calls = COUNTER};
-            threads_blocks(threads[t], (size_t)n, (size_t)block, count_block, &counts);
-            CHECK(all_once(&counts, n) && counts.calls.n == (uint64_t)n_blocks,
-                  "%d threads do %d parts in %d blocks", threads[t], n, n_blocks);
         }
 }
 

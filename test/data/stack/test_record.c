@@ -18,9 +18,9 @@ static char *make_record(const struct recorded *made, struct error *err)
 {
     struct printed lines = {.text = NULL};
     record_put_scene(&lines, made, err);
-    record_put_object(&lines, "");
-    record_put_object(&lines, strange);
-    record_put_object(&lines, "object_map: 1 1");
+    record_put(&lines, "object", "");
+    record_put(&lines, "object", strange);
+    record_put(&lines, "object", "object_map: 1 1");
     return printed_take(&lines, err);
 }
 
