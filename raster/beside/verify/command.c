@@ -2,8 +2,6 @@
 /* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
  * them, and the report. */
 #include <fnmatch.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/verify/inside.h"

@@ -3,7 +3,6 @@
 #ifndef RASTER_BESIDE_VERIFY_INSIDE_H
 #define RASTER_BESIDE_VERIFY_INSIDE_H
 
-#include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/volumes/volumes.h"

@@ -2,13 +2,7 @@
 /* The legal interval: the lowest and the highest count that an OpenGL which keeps the rules may
  * show at each pixel, in each band. The reference and its bounds say so, over all candidates of a
  * pixel; nothing is drawn by OpenGL. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/stack/stack.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/counts/counts.h"
 
 struct interval { /* in counts */
     double low, high;

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The results as a table, as JSON and as JUnit's XML. */
-#include <math.h>
-#include <string.h>
-
 #include "raster/beside/verify/inside.h"
 
 /* ---- the table ---- */
