@@ -5,6 +5,7 @@
 
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
+#include "raster/beside/view/view.h"
 #include "raster/volumes/volumes.h"
 
 /* ---- export_scene.c: a scene as files ---- */
@@ -69,19 +70,13 @@ struct verify_result {
                         agrees */
 };
 int change_of(const struct verify_result *result); /* below 0: worse than expected; above: better */
-/* A scene, as render takes it. */
-struct verify_scene {
-    char name[BUILTIN_NAME]; /* "hard/..." of a hard case; of a file the end of its path */
-    char *path;              /* as SCENE of render; owned */
-    bool is_hard, is_file;   /* neither: it is drawn with usual_size and usual_wavelengths unless
-                                the options say otherwise */
-};
-/* Large enough for every effect of the built-in scenes, at a tenth of their time. */
+/* Built-in scenes that are not hard are drawn so, unless the options say otherwise. Large enough
+ * for every effect of the built-in scenes, at a tenth of their time. */
 extern const char usual_size[], usual_wavelengths[];
 
 struct verification {
     struct listed_driver *drivers; /* see raster/beside/measure */
-    struct verify_scene *scenes;
+    struct verified_scene *scenes;
     struct verify_result *results; /* [driver][scene] */
     int n_drivers, n_scenes;
     double seconds;

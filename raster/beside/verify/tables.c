@@ -91,7 +91,7 @@ static void print_failures(const struct verification *of, const struct options *
             print_text(to, "  spectral render");
             print_shell(to, of->scenes[s].path);
             print(to, " -o /dev/null %s", by);
-            if (!of->scenes[s].is_hard && !of->scenes[s].is_file)
+            if (of->scenes[s].kind == VERIFIED_BUILTIN)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
             for (int i = 0; i < options->n_recorded; i++) { /* all but those of the driver */
                 const char *word = options->recorded[i];
