@@ -146,7 +146,7 @@ struct verify_result *result_of(const struct verification *of, int driver, int s
 static int badness(int outcome)
 {
     static const int places[VERIFY_OUTCOMES] = {
-        [VERIFY_NOT_VERIFIED] = 1, [VERIFY_DIFFERS] = 2, [VERIFY_FAILED] = 3};
+        [OUTCOME_NOT_VERIFIED] = 1, [OUTCOME_DIFFERS] = 2, [VERIFY_FAILED] = 3};
     return places[outcome];
 }
 
@@ -184,7 +184,7 @@ static void take(const struct plan *plan, const struct render_result *result,
     struct error words = {.status = EXIT_AGREED};
     out->check = result->check;
     out->outcome = (int)check_outcome(&result->check);
-    if (out->outcome == VERIFY_AGREED)
+    if (out->outcome == OUTCOME_AGREED)
         return;
     report_disagreement(plan, &result->check, "", &words);
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&words));

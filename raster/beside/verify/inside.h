@@ -53,13 +53,8 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
 
 /* ---- command.c ---- */
 
-enum { /* those of a check; or no picture was drawn */
-       VERIFY_AGREED = OUTCOME_AGREED,
-       VERIFY_DIFFERS = OUTCOME_DIFFERS,
-       VERIFY_NOT_VERIFIED = OUTCOME_NOT_VERIFIED,
-       VERIFY_FAILED,
-       VERIFY_OUTCOMES
-};
+/* The outcomes of a check, and: no picture was drawn. */
+enum { VERIFY_FAILED = OUTCOME_NOT_VERIFIED + 1, VERIFY_OUTCOMES };
 extern const char *const verify_words[]; /* of these outcomes */
 /* The result of a scene on a driver; it owns nothing. */
 struct verify_result {
