@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Matrices that act on tristimulus values, and those that lead from them to a display and to the
  * cones of the eye. */
-#include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
 
 const double display_white[3] = {100 * 0.3127 / 0.3290, 100, 100 * (1 - 0.3127 - 0.3290) / 0.3290};

@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The commands of this program, and its judge of shading. build.sh takes one of these tables, and
  * one of the ways of drawing. */
-#include "data/scene/scene.h"
-#include "data/stack/stack.h"
 #include "raster/beside/accuracy/accuracy.h"
 #include "raster/beside/cost/cost.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/beside/view/view.h"
-#include "raster/render/render.h"
-#include "spectral.h"
 
 const struct command *const commands[] = {&render_command,
                                           &develop_command,

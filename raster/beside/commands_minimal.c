@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The minimal program contains none of the rooms in this folder. */
-#include "data/scene/scene.h"
-#include "data/stack/stack.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 const struct command *const commands[] = {&render_command, &plan_command, &info_command,
                                           &list_command,   &show_command, &join_command,

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* A program without OpenGL has all commands but those on drivers. */
-#include "data/scene/scene.h"
-#include "data/stack/stack.h"
 #include "raster/beside/accuracy/accuracy.h"
 #include "raster/beside/cost/cost.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/beside/view/view.h"
-#include "raster/render/render.h"
-#include "spectral.h"
 
 const struct command *const commands[] = {
     &render_command, &develop_command, &probe_command,  &compare_command, &view_command,

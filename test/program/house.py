@@ -38,6 +38,7 @@ BESIDE = "raster/beside"  # the folder of the rooms that the core does not know,
 MOST_ROOMS = 29  # two of them for shadows
 MOST_EDGES = 150  # pairs of rooms whose first includes a header of the second
 ORDER = ["spectral.h", *ROOMS, BESIDE, "spectral.c"]
+INCLUDE_ONCE = ("data/", BESIDE + "/")  # files here include nothing that another include of theirs brings
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
 # A system header that matches the pattern belongs in these rooms only.
@@ -325,11 +326,26 @@ def own_headers(tree, path):
     return included | ({header_of(room)} if inside_of(room) in included else set())
 
 
+def brought(tree, header):
+    """All that an include of this header brings: what it includes, what these include, and so on."""
+    found, left = set(), [header]
+    while left:
+        path = left.pop()
+        new = {row[2] for row in tree.sources[path].includes} - found if path in tree.sources else set()
+        found |= new
+        left += new
+    return found
+
+
 def repeated_fault(tree, path, quote, included):
-    """Returns the fault of an include that a header of the file's room has already, or None."""
+    """Returns the fault of an include that another include of the file brings already, or None. In rooms of the
+    core of raster/, only the headers of the file's own room count."""
     for header in sorted(own_headers(tree, path) - {path}):
         if header in tree.sources and (quote, included) in {row[1:] for row in tree.sources[header].includes}:
             return f"\"{included}\" is included twice; {header} includes it already"
+    for _, _, header in tree.sources[path].includes if path.startswith(INCLUDE_ONCE) else ():
+        if header != included and included in brought(tree, header):
+            return f"\"{included}\" is included twice; {header} brings it already"
     return None
 
 
@@ -574,6 +590,9 @@ def plants(tree):
          at_source + "the include of .* runs upward"),
         ("an include that the room's header has", {header: "#include <tgmath.h>", source: f'#include "{header}"\n#include <tgmath.h>'},
          f"{source}:2: " + f'"tgmath.h" is included twice; {header} includes it already'),
+        ("an include that another room's header brings",
+         {f"{last_room}/planted.c": '#include "data/scene/scene.h"\n#include "data/maths/maths.h"'},
+         f'{last_room}/planted.c:2: "data/maths/maths.h" is included twice; data/scene/scene.h brings it already'),
         ("an include in a comment", {source: f'/*\n#include "{last}"\n*/'}, None),
         ("a header of OpenGL", {source: "#include <GL/gl.h>"},
          at_source + "<GL/gl.h> belongs to OpenGL; only raster/gl may include it"),

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The error of a picture's shading, from a lattice of its pixels. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/accuracy/inside.h"
-#include "raster/candidates/candidates.h"
 
 /* ---- some pixels ---- */
 

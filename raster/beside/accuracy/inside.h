@@ -3,9 +3,6 @@
 #ifndef RASTER_BESIDE_ACCURACY_INSIDE_H
 #define RASTER_BESIDE_ACCURACY_INSIDE_H
 
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
 #include "raster/beside/accuracy/accuracy.h"
 
 /* CIEDE2000, for an observer who has adapted to the lights; or counts, of the band with most. */

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Points of the surfaces that meshes approximate. */
-#include <math.h>
-
-#include "data/images/images.h"
 #include "raster/beside/accuracy/inside.h"
 
 /* Returns whether the outside of a point of the mesh is turned to the eye. */

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Divides the objects of a plan until its picture is as accurate as is wanted; and by how much the
  * shading of objects differs from light at every point, in words. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/accuracy/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/counts/counts.h"
 
 /* ---- the words of the option ---- */
 

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Differences of shading as an observer sees them: a term has tristimulus values, and a point those
  * of its terms times their weights. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/accuracy/inside.h"
 #include "raster/beside/colour/colour.h"
 

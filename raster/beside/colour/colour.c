@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Colours: chromaticities, CIELAB, and three formulas for the difference of two colours. */
-#include "data/maths/maths.h"
 #include "raster/beside/colour/colour.h"
 
 /* ---- colour spaces ---- */

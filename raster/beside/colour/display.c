@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Displays: sRGB; any other by its numbers, as the monitor of the 1998 thesis. */
-#include "data/text/text.h"
 #include "raster/beside/colour/colour.h"
 
 static const struct display_curve srgb_curve = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Small tables with three numbers a row: a matrix, the numbers of a display. */
-#include "data/text/text.h"
 #include "raster/beside/colour/colour.h"
 
 /* A line without any number is a heading. */

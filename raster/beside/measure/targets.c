@@ -234,12 +234,6 @@ static bool find_detail(struct targets *of, struct error *err)
     return true;
 }
 
-static void set_measured(struct driver *out, const char *name)
-{
-    out->name = name;
-    out->is_measured = true;
-}
-
 bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
                      struct driver *out, struct error *err)
 {
@@ -248,7 +242,8 @@ bool targets_measure(const struct render_foreign *source, const struct plan_opti
     if (done) {
         of.kept.driver = *out;
         if (!driver_is_known(out)) {
-            set_measured(&of.kept.driver, "measured");
+            of.kept.driver.name = "measured";
+            of.kept.driver.is_measured = true;
             done = narrow(&of, err);
         }
         done = done && find_detail(&of, err);
@@ -287,7 +282,8 @@ bool traits_read(struct text *text, struct driver *out, struct error *err)
 {
     long watertight, rule;
     *out = *driver_of(NULL);
-    set_measured(out, "measured before");
+    out->name = "measured before";
+    out->is_measured = true;
     for (int t = 0; t < TRAITS; t++)
         if (!text_number(text, traits[t].name, traits[t].least, 2 * traits[t].most,
                          trait_of(out, t), err))

@@ -27,16 +27,16 @@ static double difference(const double a[3], const double b[3], const double whit
     return ciede2000_difference(lab[0], lab[1]);
 }
 
-/* Finds the colours under pair->light. */
-static void match_under(struct pair *pair, struct match *out)
+/* Finds the colours under a light, given by its value on each page. */
+static void match_under(const struct pair *pair, const double *light, struct match *out)
 {
     for (int k = 0; k < 2; k++) {
         const double *mean = pair->probes[k].columns[MEAN].values;
         for (int i = 0; i < pair->n; i++)
-            pair->lit[i] = pair->white[i] > 0 ? mean[i] / pair->white[i] * pair->light[i] : 0;
+            pair->lit[i] = pair->white[i] > 0 ? mean[i] / pair->white[i] * light[i] : 0;
         detector_response(pair->probes[0].sight.weights, pair->lit, pair->n, out->xyz[k]);
     }
-    detector_response(pair->probes[0].sight.weights, pair->light, pair->n, out->white);
+    detector_response(pair->probes[0].sight.weights, light, pair->n, out->white);
     out->difference = difference(out->xyz[0], out->xyz[1], out->white);
 }
 
@@ -97,8 +97,7 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
 {
     struct match recorded, other;
     char shown[32];
-    memcpy(pair->light, pair->white, (size_t)pair->n * sizeof *pair->light);
-    match_under(pair, &recorded);
+    match_under(pair, pair->white, &recorded);
     print(to, "CIEDE2000         %.4f under the recorded light\n", recorded.difference);
     for (int i = 0; i < options->n_changes; i++) {
         const char *value = options->changes[i].value, *equals = strchr(value, '=');
@@ -107,7 +106,7 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
             return error_usage(err, "--against takes --light, and no other change of a scene");
         if (!cube_white(&pair->cube, name, pair->light, err))
             return false;
-        match_under(pair, &other);
+        match_under(pair, pair->light, &other);
         const double index = metamerism_index(&recorded, &other);
         snprintf(shown, sizeof shown, "%.4f", index);
         print(to, "CIEDE2000         %.4f under %s, metamerism index %s\n", other.difference, name,

@@ -245,20 +245,14 @@ static bool open_raw(const struct development *of, struct stack_writer *out, str
     print_printable(&made, of->sight.detector.name);
     print(&made, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
           raw_unit(of));
-    char *text = printed_take(&made, err), *names = printed_take(&channels, err);
     const struct stack_options options = {.width = of->cube.image.width,
                                           .height = of->cube.image.height,
                                           .n_wavelengths = of->sight.n,
-                                          .names = names,
                                           .unit = raw_unit(of),
                                           .full_scale = of->full_scale,
                                           .bits = of->bits,
-                                          .scene = of->cube.image.path,
-                                          .provenance = text};
-    const bool done = text && names && stack_open(out, of->options->output, &options, err);
-    free(text);
-    free(names);
-    return done;
+                                          .scene = of->cube.image.path};
+    return named_pages_open(out, of->options->output, options, &made, &channels, err);
 }
 
 /* Writes the rows at hand. */
@@ -290,14 +284,11 @@ static bool write_picture(struct development *of, struct error *err)
         done = done && (is_raw ? put_raw(of, &raw, err)
                                : picture_write(&picture, of->samples, (int)of->n / width, err));
     }
-    if (is_raw) {
-        done = done && stack_finish(&raw, "raw values have no check of their own", err) &&
-               output_pass(&raw.pages.output, &of->options->outputs, err);
-        stack_discard(&raw);
-    } else {
-        done = done && picture_commit(&picture, &of->options->outputs, err);
-        picture_discard(&picture);
-    }
+    if (is_raw)
+        return named_pages_end(&raw, done, "raw values have no check of their own",
+                               &of->options->outputs, err);
+    done = done && picture_commit(&picture, &of->options->outputs, err);
+    picture_discard(&picture);
     return done;
 }
 

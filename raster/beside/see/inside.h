@@ -210,7 +210,6 @@ struct probe {
     double xyz[3], lab[3];  /* of the mean; lab: beside the white, if there is one */
     struct column *columns; /* owned, with their values */
     int n_columns;
-    struct moments *moments; /* of each band, while samples come; owned */
     int shown; /* the object, or surface, that all pixels so far show; or a number below */
 };
 enum { NO_PIXEL = -3, SEVERAL = -2 };
@@ -241,8 +240,9 @@ bool probe_against(struct options *options, const struct probe *first, const str
 bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err);
 /* Notes the object, or surface, that a pixel shows. */
 void note_shown(struct probe *probe, int number);
-/* Ends it: the means of its moments, and their colour under the white of the cube. */
-bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
+/* Ends it: the means of the moments of its bands, and their colour under the white of the cube. */
+bool probe_end(struct probe *probe, const struct cube *cube, const struct moments *moments,
+               struct error *err);
 /* probe_objects.c: probes the stack that is the operand: the region, or the object that is wanted,
  * without its edges. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */

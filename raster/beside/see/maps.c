@@ -24,25 +24,46 @@ struct maps {
     const struct picture *picture; /* the chunk at hand */
 };
 
+/* ---- a file of pages ---- */
+
+bool named_pages_open(struct stack_writer *out, const char *path, struct stack_options layout,
+                      struct printed *record, struct printed *names, struct error *err)
+{
+    char *text = printed_take(record, err), *lines = printed_take(names, err);
+    layout.provenance = text;
+    layout.names = lines;
+    const bool done = text && lines && stack_open(out, path, &layout, err);
+    free(text);
+    free(lines);
+    return done;
+}
+
+bool named_pages_end(struct stack_writer *writer, bool done, const char *check,
+                     struct outputs *outputs, struct error *err)
+{
+    done = done && stack_finish(writer, check, err) &&
+           output_pass(&writer->pages.output, outputs, err);
+    stack_discard(writer);
+    return done;
+}
+
 /* ---- the pages ---- */
 
-/* Returns the names of the pages in lines, allocated; NULL on failure. */
-static char *name_pages(const struct maps *of, struct error *err)
+/* Prints the names of the pages in lines. */
+static void name_pages(const struct maps *of, struct printed *to)
 {
     const struct plan *plan = &of->job.plan;
-    struct printed names = {.text = NULL};
     char band[BAND_NAME];
-    print_text(&names, "constant\n");
+    print_text(to, "constant\n");
     for (int i = 0; i < 2 * plan->n_lights; i++)
-        print(&names, "light %d %s\n", 1 + i / 2, i % 2 ? "specular" : "diffuse");
+        print(to, "light %d %s\n", 1 + i / 2, i % 2 ? "specular" : "diffuse");
     for (int i = 0; i < PLACES; i++)
-        print(&names, "%s\n", place_names[i]);
+        print(to, "%s\n", place_names[i]);
     for (int i = 0; i < of->n_textures; i++) {
         const bool alone = of->n_textures == 1;
         band_name(plan, i, band);
-        print(&names, "texture%s%s\n", alone ? "" : " ", alone ? "" : band);
+        print(to, "texture%s%s\n", alone ? "" : " ", alone ? "" : band);
     }
-    return printed_take(&names, err);
 }
 
 /* ---- the point of a pixel ---- */
@@ -175,29 +196,28 @@ static void put_terms(const struct plan *plan, const char *whose, const struct m
     }
 }
 
-/* Returns the record as text, allocated; NULL on failure. It is not that of a stack, which could be
- * made again. It has the spectra of all materials, and of a perfect diffuser. */
-static char *make_record(const struct maps *of, const struct options *options, struct error *err)
+/* Prints the record; a failure leaves *err. It is not that of a stack, which could be made again.
+ * It has the spectra of all materials, and of a perfect diffuser. */
+static void put_record(const struct maps *of, const struct options *options, struct printed *to,
+                       struct error *err)
 {
     const struct plan *plan = &of->job.plan;
     static const struct material white = {
         .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
     struct material_terms diffuser = {.n = 0};
-    struct printed lines = {.text = NULL};
     char whose[32];
-    record_put_beside(&lines, "maps of", plan->scene, options);
+    record_put_beside(to, "maps of", plan->scene, options);
     for (int i = 0; i < plan->n_instances; i++)
-        record_put(&lines, "object", object_name(plan, i));
+        record_put(to, "object", object_name(plan, i));
     if (!has_components(plan))
-        put_numbers(&lines, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
+        put_numbers(to, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
     if (material_terms_make(&plan->illumination, &white, &diffuser, err))
-        put_terms(plan, "white", &diffuser, &lines);
+        put_terms(plan, "white", &diffuser, to);
     material_terms_free(&diffuser);
     for (int i = 0; i < plan->n_materials; i++) {
         snprintf(whose, sizeof whose, "material %d", i + 1);
-        put_terms(plan, whose, &plan->materials[i].made, &lines);
+        put_terms(plan, whose, &plan->materials[i].made, to);
     }
-    return printed_take(&lines, err);
 }
 
 /* ---- the file ---- */
@@ -211,27 +231,19 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
     const size_t chunk = (size_t)plan->tile_width * (size_t)CHUNK_ROWS;
     of->n_textures = texture_pages(plan, false);
     of->n_weights = weight_pages(plan);
-    char *record = make_record(of, options, err), *names = name_pages(of, err);
+    struct printed record = {.text = NULL}, names = {.text = NULL};
     const struct stack_options layout = {.width = plan->scene->width,
                                          .height = plan->scene->height,
                                          .n_wavelengths = of->n_weights + PLACES + of->n_textures,
-                                         .names = names,
                                          .full_scale = 1,
                                          .bits = 32,
-                                         .scene = plan->scene->path,
-                                         .provenance = record};
-    bool done = record && names &&
-                MAKE_ARRAY(of->values, PLACES * chunk, err, "the rows of maps") &&
-                stack_open(&of->writer, own->maps, &layout, err);
-    free(record);
-    free(names);
-    if (!done)
-        return false;
-    done = decompose(&of->lit, &decomposition, err) &&
-           stack_finish(&of->writer, "maps by the reference", err) &&
-           output_pass(&of->writer.pages.output, outputs, err);
-    stack_discard(&of->writer);
-    return done;
+                                         .scene = plan->scene->path};
+    put_record(of, options, &record, err);
+    name_pages(of, &names);
+    const bool done = named_pages_open(&of->writer, own->maps, layout, &record, &names, err) &&
+                      MAKE_ARRAY(of->values, PLACES * chunk, err, "the rows of maps") &&
+                      decompose(&of->lit, &decomposition, err);
+    return named_pages_end(&of->writer, done, "maps by the reference", outputs, err);
 }
 
 static bool maps_write(const struct options *options, const struct render_job *job,

@@ -108,8 +108,7 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
                     err) ||
         !add_column(probe, cube->raw ? "raw value" : "radiance", cube->raw ? "raw" : NULL, err) ||
         !add_column(probe, cube->raw ? "standard deviation" : "standard deviation of radiance",
-                    cube->raw ? "raw" : NULL, err) ||
-        !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
+                    cube->raw ? "raw" : NULL, err))
         return false;
     memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
            (size_t)probe->n * sizeof(double));
@@ -118,13 +117,14 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
 
 /* There is no white if neither the probe names one nor the cube records one. Refuses a white that
  * the probe names if it cannot be used. */
-bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
+bool probe_end(struct probe *probe, const struct cube *cube, const struct moments *moments,
+               struct error *err)
 {
     const int n = probe->n;
     const struct sight *sight = &probe->sight;
     const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
-        moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
+        moments_end(&moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
     if (cube->raw)
         return true;
@@ -146,6 +146,7 @@ bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 struct region {
     struct lit_scene lit;
     struct probe *probe;
+    struct moments *moments; /* of each band; owned */
 };
 
 static void add_band(void *context, const struct drawn_band *drawn)
@@ -154,7 +155,7 @@ static void add_band(void *context, const struct drawn_band *drawn)
     const struct picture *picture = drawn->picture;
     const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
     for (size_t i = 0; i < n; i++)
-        moments_add(&region->probe->moments[drawn->band], (double)drawn->radiance[i]);
+        moments_add(&region->moments[drawn->band], (double)drawn->radiance[i]);
     for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
         note_shown(region->probe, picture->surface[i]);
 }
@@ -255,11 +256,12 @@ bool probe_scene(struct probe *probe, struct error *err)
         job.options.full_scale = 1;
     done = done && job_plan(options, &job, err) && scene_cube(&job.scene, &cube, err) &&
            probe_begin(probe, &cube, err) &&
+           MAKE_ARRAY(region.moments, probe->n, err, "the means of the region") &&
            lit_make(&job.plan, driver_of(NULL), &region.lit, err) &&
            find_full_scale(&region.lit, err) &&
            radiances_each(&region.lit, &probe->at, &radiances, err) && add_curves(&region, err) &&
-           probe_end(probe, &cube, err);
-    free(cube.record.white.value);
+           probe_end(probe, &cube, region.moments, err);
+    FREE_ALL(cube.record.white.value, region.moments);
     lit_free(&region.lit);
     job_free(&job);
     return done;
@@ -271,5 +273,5 @@ void probe_free(struct probe *probe)
         free(probe->columns[column].values);
     sight_free(&probe->sight);
     sight_free(&probe->camera);
-    FREE_ALL(probe->columns, probe->source, probe->object, probe->moments);
+    FREE_ALL(probe->columns, probe->source, probe->object);
 }

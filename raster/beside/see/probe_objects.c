@@ -9,18 +9,26 @@
  * better because a compressed page is unpacked as a whole. */
 static const uint64_t chunk_samples = (uint64_t)1 << 24;
 
+/* An object's values. */
+struct values {
+    const char *name;
+    uint64_t pixels;
+    double *mean, *spread; /* of each column; owned */
+    double xyz[3], lab[3];
+};
 /* Pixels that are measured. */
 struct measured {
     struct stack_rows rows;
     struct rectangle at;     /* their rows and columns */
     struct probe *region;    /* all of these are one region; NULL: objects are measured */
-    int first, n_objects;    /* the objects, from 1 */
+    int first, n_objects;    /* the objects, from 1; a region counts as one */
     bool edges;              /* of objects count, too */
     struct sight colours;    /* of objects, to an observer */
     struct sight camera;     /* measures objects, too; no channels: there is none */
     int n_columns;           /* bands, then channels */
     double *pixel;           /* its columns; owned */
-    struct moments *moments; /* [object][column], or of the region */
+    struct moments *moments; /* [object][column]; owned */
+    struct values values;    /* of the object at hand */
     int *map[3];             /* of the row before, the row at hand and the row behind; owned */
 };
 
@@ -100,7 +108,9 @@ static bool measure(struct measured *of, struct error *err)
     for (int i = 0; i < 3; i++)
         if (!MAKE_ARRAY(of->map[i], (size_t)image->width, err, "a row of %s", image->path))
             return false;
-    if (!MAKE_ARRAY(of->pixel, of->n_columns, err, "%d columns", of->n_columns) ||
+    if (!MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
+                    "the values of %d objects", of->n_objects) ||
+        !MAKE_ARRAY(of->pixel, of->n_columns, err, "%d columns", of->n_columns) ||
         !rows_allocate(&of->rows, n < chunk_samples ? n : chunk_samples, err))
         return false;
     of->rows.end = of->at.y + of->at.height;
@@ -133,7 +143,8 @@ static void measured_free(struct measured *of)
     rows_close(&of->rows);
     sight_free(&of->colours);
     sight_free(&of->camera);
-    FREE_ALL(of->pixel, of->map[0], of->map[1], of->map[2]);
+    FREE_ALL(of->pixel, of->moments, of->values.mean, of->values.spread, of->map[0], of->map[1],
+             of->map[2]);
 }
 
 /* ---- a region, or one object ---- */
@@ -166,7 +177,7 @@ static int find_named(const struct record *record, const char *wanted, struct er
 /* Chooses the pixels of a probe, which has begun. */
 static bool choose_pixels(struct measured *of, struct probe *probe, struct error *err)
 {
-    of->moments = probe->moments;
+    of->n_objects = 1;
     of->n_columns = probe->n;
     if (!probe->wanted) {
         of->region = probe;
@@ -176,14 +187,8 @@ static bool choose_pixels(struct measured *of, struct probe *probe, struct error
     if (!open_map(of, err))
         return false;
     of->first = find_named(&of->rows.cube.record, probe->wanted, err);
-    of->n_objects = 1;
     note_shown(probe, of->first);
     return of->first > 0;
-}
-
-static bool no_pixel(const char *path, const char *wanted, struct error *err)
-{
-    return error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, wanted);
 }
 
 bool probe_stack(struct probe *probe, struct error *err)
@@ -193,29 +198,24 @@ bool probe_stack(struct probe *probe, struct error *err)
     const char *path = probe->options->operand;
     bool done = open_stack(&of, path, err) && probe_begin(probe, cube, err) &&
                 choose_pixels(&of, probe, err) && measure(&of, err);
-    if (done && probe->moments->n == 0)
-        done = no_pixel(path, probe->wanted, err);
+    if (done && of.moments->n == 0)
+        done =
+            error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
     if (done && probe->shown >= 0)
         done = string_copy(probe->shown > 0 ? cube->record.objects.text[probe->shown - 1]
                                             : "background",
                            &probe->object, err);
-    done = done && probe_end(probe, cube, err);
+    done = done && probe_end(probe, cube, of.moments, err);
     measured_free(&of);
     return done;
 }
 
 /* ---- out ---- */
 
-/* An object's values. */
-struct values {
-    const char *name;
-    uint64_t pixels;
-    double *mean, *spread; /* of each column; owned by the caller */
-    double xyz[3], lab[3];
-};
-
-static void find_values(const struct measured *of, int object, struct values *out)
+/* Finds the values of an object, from 0. */
+static void find_values(struct measured *of, int object)
 {
+    struct values *out = &of->values;
     const struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
     const int n_bands = of->rows.cube.image.n_pages;
     out->name = of->rows.cube.record.objects.text[object];
@@ -307,8 +307,7 @@ static void put_json(const struct measured *of, const struct values *values, str
 }
 
 /* Reports all objects, as JSON and as text or a table. */
-static void put_objects(const struct measured *of, struct values *values, bool csv,
-                        struct json *json, struct printed *to)
+static void put_objects(struct measured *of, bool csv, struct json *json, struct printed *to)
 {
     json_begin(json);
     json_string(json, "source", of->rows.cube.image.path);
@@ -321,40 +320,36 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     if (csv)
         print_csv_head(of, to);
     for (int object = 0; object < of->n_objects; object++) {
-        find_values(of, object, values);
-        put_json(of, values, json);
-        (csv ? print_csv : print_line)(of, values, to);
+        find_values(of, object);
+        put_json(of, &of->values, json);
+        (csv ? print_csv : print_line)(of, &of->values, to);
     }
     json_close(json, ']');
 }
 
-/* Measures all objects of a stack, whose sights are found. Gives the values room. */
-static bool measure_objects(struct measured *of, struct values *values, struct error *err)
+/* Measures all objects of a stack, whose sights are found. */
+static bool measure_objects(struct measured *of, struct error *err)
 {
     of->first = 1;
     of->n_objects = of->rows.cube.record.objects.n;
     of->n_columns = of->rows.cube.image.n_pages + of->camera.detector.n;
-    return MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
-                      "the values of %d objects", of->n_objects) &&
-           MAKE_ARRAY(values->mean, of->n_columns, err, "the values of an object") &&
-           MAKE_ARRAY(values->spread, of->n_columns, err, "the values of an object") &&
+    return MAKE_ARRAY(of->values.mean, of->n_columns, err, "the values of an object") &&
+           MAKE_ARRAY(of->values.spread, of->n_columns, err, "the values of an object") &&
            measure(of, err);
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
 {
     struct measured of = {.edges = edges};
-    struct values values = {.name = NULL};
     struct printed printed = {.text = NULL};
     struct json json;
     bool done = open_stack(&of, options->operand, err) && open_map(&of, err) &&
                 sights_make(&of.rows.cube, options, &of.camera, &of.colours, err) &&
-                measure_objects(&of, &values, err);
+                measure_objects(&of, err);
     if (done) {
-        put_objects(&of, &values, csv, &json, &printed);
+        put_objects(&of, csv, &json, &printed);
         done = report_write(options, &json, &printed, err);
     }
-    FREE_ALL(values.mean, values.spread, of.moments);
     measured_free(&of);
     return done;
 }
@@ -362,11 +357,11 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
 /* ---- the objects of two stacks ---- */
 
 static bool see_objects(const char *path, const struct seeing *by, struct measured *of,
-                        struct values *values, struct error *err)
+                        struct error *err)
 {
     return open_stack(of, path, err) && open_map(of, err) &&
            sight_make(&of->rows.cube, SIGHT_OF_OBSERVER, by, &of->colours, err) &&
-           measure_objects(of, values, err);
+           measure_objects(of, err);
 }
 
 /* Compares an object, beside the white of A. Refuses another one. */
@@ -387,10 +382,8 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
     const struct seeing by = comparison_seeing(of, false), other = comparison_seeing(of, true);
     const char *const *stack = of->options->operands;
     struct measured a = {.edges = false}, b = a;
-    struct values of_a = {.name = NULL}, of_b = of_a;
     bool done = MAKE_ARRAY(of->bins, N_BINS, err, "a distribution of differences") &&
-                see_objects(stack[0], &by, &a, &of_a, err) &&
-                see_objects(stack[1], &other, &b, &of_b, err) &&
+                see_objects(stack[0], &by, &a, err) && see_objects(stack[1], &other, &b, err) &&
                 check_units(&a.rows.cube, &b.rows.cube, err);
     if (done && a.n_objects != b.n_objects)
         done = error_usage(err, "%s has %d objects, %s %d", stack[0], a.n_objects, stack[1],
@@ -398,18 +391,18 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
     json_open(json, "objects", '[');
     for (int i = 0; done && i < a.n_objects; i++) {
         double difference;
-        find_values(&a, i, &of_a);
-        find_values(&b, i, &of_b);
-        done = compare_object(&of_a, &of_b, a.colours.white, &difference, err);
-        if (!done || of_a.pixels == 0 || of_b.pixels == 0)
+        find_values(&a, i);
+        find_values(&b, i);
+        done = compare_object(&a.values, &b.values, a.colours.white, &difference, err);
+        if (!done || a.values.pixels == 0 || b.values.pixels == 0)
             continue;
         measure_add(&of->pixels[CIEDE2000], of->bins, difference, i, 0);
         of->n_pixels++;
         print(to, "%-17.6g ", difference);
-        print_printable(to, of_a.name);
+        print_printable(to, a.values.name);
         print_text(to, "\n");
         json_open(json, NULL, '{');
-        json_string(json, "name", of_a.name);
+        json_string(json, "name", a.values.name);
         json_number(json, "dE00", difference);
         json_close(json, '}');
     }
@@ -418,7 +411,6 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
         measure_end(&of->pixels[CIEDE2000], of->bins, of->n_pixels);
         print_white(to, a.colours.white, true, by.white ? by.white : "recorded");
     }
-    FREE_ALL(of_a.mean, of_a.spread, of_b.mean, of_b.spread, a.moments, b.moments);
     measured_free(&a);
     measured_free(&b);
     return done;
@@ -426,19 +418,11 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
 
 bool object_radiance(const char *path, const char *wanted, double *out, struct error *err)
 {
-    struct measured of = {.n_objects = 1};
-    const struct cube *cube = &of.rows.cube;
-    double spread;
-    bool done = open_stack(&of, path, err) && open_map(&of, err) &&
-                (of.first = find_named(&cube->record, wanted, err)) > 0;
-    of.n_columns = cube->image.n_pages;
-    done = done && MAKE_ARRAY(of.moments, of.n_columns, err, "the mean of an object") &&
-           measure(&of, err);
-    if (done && of.moments->n == 0)
-        done = no_pixel(path, wanted, err);
-    for (int i = 0; done && i < of.n_columns; i++)
-        moments_end(&of.moments[i], &out[i], &spread);
-    free(of.moments);
-    measured_free(&of);
+    const struct options options = {.operand = path};
+    struct probe probe = {.options = &options, .wanted = wanted};
+    const bool done = probe_stack(&probe, err);
+    if (done)
+        memcpy(out, probe.columns[MEAN].values, (size_t)probe.n * sizeof *out);
+    probe_free(&probe);
     return done;
 }

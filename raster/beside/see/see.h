@@ -60,6 +60,15 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
 
 /* ---- maps.c: maps of a picture ---- */
 
+/* Opens a file of pages that is no stack. It gets this record, and the pages these names, in lines;
+ * both texts are freed. */
+bool named_pages_open(struct stack_writer *out, const char *path, struct stack_options layout,
+                      struct printed *record, struct printed *names, struct error *err);
+/* Ends it: its pages were written, or (done: false) there was a failure. It says why it has no
+ * check, and goes to the outputs. */
+bool named_pages_end(struct stack_writer *writer, bool done, const char *check,
+                     struct outputs *outputs, struct error *err);
+
 /* Writes float pages of the weights of all lights, textures and places. Their record has the
  * spectra of all terms. */
 extern const struct map_maker reference_maps;

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Objects by shaders: each gets the program of its effects, and the colours of its material. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
 
 enum { POSITION, NORMAL, COORDINATES, NUMBER = NORMAL }; /* the inputs of the vertex shaders */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
  * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
-#include <stdlib.h>
-
 #include "raster/beside/shader/inside.h"
 
 /* Prints the first lines of a shader. */

@@ -2,12 +2,9 @@
 /* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
  * them, and the report. */
 #include <fnmatch.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "raster/beside/verify/inside.h"
-#include "raster/beside/view/view.h"
 
 struct verify_options {
     struct render_options render; /* the first member */
@@ -38,30 +35,17 @@ static bool find_drivers(const struct options *options, struct verification *out
 
 /* ---- scenes ---- */
 
-/* The list owns a copy of the path. */
-static bool add_scene(struct verification *to, const struct verify_scene *scene, const char *path,
-                      struct error *err)
-{
-    struct verify_scene kept = *scene;
-    if (!string_copy(path, &kept.path, err))
-        return false;
-    if (array_add(&to->scenes, &to->n_scenes, &kept, sizeof kept, err))
-        return true;
-    free(kept.path);
-    return false;
-}
-
 /* Adds the built-in scenes that a pattern of a shell names, and then the hard cases; "hard" names
  * all of these. */
 static bool add_builtin(struct verification *to, const char *pattern, struct error *err)
 {
     for (size_t i = 0; i < 2 * builtin_file_count; i++) {
-        struct verify_scene scene = {.is_hard = i >= builtin_file_count};
+        const bool is_hard = i >= builtin_file_count;
+        struct verified_scene scene = {.kind = is_hard ? VERIFIED_HARD : VERIFIED_BUILTIN};
         if (builtin_is(&builtin_files[i % builtin_file_count], FILE_SCENE, scene.name) &&
-            (scene.is_hard ? strncmp(scene.name, "hard/", 5) == 0 : !strchr(scene.name, '/')) &&
-            (fnmatch(pattern, scene.name, 0) == 0 ||
-             (scene.is_hard && strcmp(pattern, "hard") == 0)) &&
-            !add_scene(to, &scene, scene.name, err))
+            (is_hard ? strncmp(scene.name, "hard/", 5) == 0 : !strchr(scene.name, '/')) &&
+            (fnmatch(pattern, scene.name, 0) == 0 || (is_hard && strcmp(pattern, "hard") == 0)) &&
+            !array_add(&to->scenes, &to->n_scenes, &scene, sizeof scene, err))
             return false;
     }
     return true;
@@ -72,7 +56,7 @@ static bool add_named(struct verification *to, const char *word, struct error *e
 {
     const int before = to->n_scenes;
     const size_t length = strlen(word);
-    struct verify_scene scene = {.is_file = true};
+    struct verified_scene scene = {.path = word, .kind = VERIFIED_FILE};
     if (!add_builtin(to, word, err))
         return false;
     if (to->n_scenes > before)
@@ -81,7 +65,7 @@ static bool add_named(struct verification *to, const char *word, struct error *e
         return false;
     snprintf(scene.name, sizeof scene.name, "%s",
              length < sizeof scene.name ? word : word + length - sizeof scene.name + 1);
-    return add_scene(to, &scene, word, err);
+    return array_add(&to->scenes, &to->n_scenes, &scene, sizeof scene, err);
 }
 
 /* Finds the scenes that the options name; without any, all. verification_free accepts what a
@@ -91,6 +75,9 @@ static bool find_scenes(const struct options *options, struct verification *out,
     bool done = options->n_operands > 0 || add_builtin(out, "*", err);
     for (int i = 0; i < options->n_operands && done; i++)
         done = add_named(out, options->operands[i], err);
+    for (int i = 0; i < out->n_scenes; i++)
+        if (out->scenes[i].kind != VERIFIED_FILE)
+            out->scenes[i].path = out->scenes[i].name;
     return done;
 }
 
@@ -106,7 +93,7 @@ static void name_processor(char *out, size_t capacity)
 }
 
 /* Reads the files of a scene before any driver can end the process that draws it. */
-static bool read_files(const struct options *options, const struct verify_scene *of,
+static bool read_files(const struct options *options, const struct verified_scene *of,
                        struct error *err)
 {
     struct options alone = *options;
@@ -125,7 +112,8 @@ static bool verification_open(const struct options *options, struct verification
 {
     const struct verify_options *own = options->own;
     for (int i = 0; i < out->n_scenes; i++)
-        if ((i == 0 || out->scenes[i].is_file) && !read_files(options, &out->scenes[i], err))
+        if ((i == 0 || out->scenes[i].kind == VERIFIED_FILE) &&
+            !read_files(options, &out->scenes[i], err))
             return false;
     if (!options_check_outputs(options, err) || !find_drivers(options, out, err))
         return false;
@@ -145,8 +133,6 @@ static bool print_scenes(const struct verification *of, struct error *err)
 
 static void verification_free(struct verification *of)
 {
-    for (int i = 0; i < of->n_scenes; i++)
-        free(of->scenes[i].path);
     FREE_ALL(of->drivers, of->scenes, of->results);
     *of = (struct verification){.n_drivers = 0};
 }
@@ -160,7 +146,7 @@ struct verify_result *result_of(const struct verification *of, int driver, int s
 static int badness(int outcome)
 {
     static const int places[VERIFY_OUTCOMES] = {
-        [VERIFY_NOT_VERIFIED] = 1, [VERIFY_DIFFERS] = 2, [VERIFY_FAILED] = 3};
+        [OUTCOME_NOT_VERIFIED] = 1, [OUTCOME_DIFFERS] = 2, [VERIFY_FAILED] = 3};
     return places[outcome];
 }
 
@@ -188,7 +174,7 @@ const char *const verify_words[] = {"agreed", "differs", "not verified", "failed
 struct task {
     const struct options *options;
     const struct listed_driver *driver;
-    const struct verify_scene *scene;
+    const struct verified_scene *scene;
 };
 
 /* Takes the verdict out of a render. */
@@ -198,7 +184,7 @@ static void take(const struct plan *plan, const struct render_result *result,
     struct error words = {.status = EXIT_AGREED};
     out->check = result->check;
     out->outcome = (int)check_outcome(&result->check);
-    if (out->outcome == VERIFY_AGREED)
+    if (out->outcome == OUTCOME_AGREED)
         return;
     report_disagreement(plan, &result->check, "", &words);
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&words));
@@ -240,9 +226,9 @@ static bool judge(void *context, void *out, struct error *err)
     options.own = &own;
     options.operand = options.operands[0] = task->scene->path;
     options.n_operands = 1;
-    if (task->scene->is_hard)
+    if (task->scene->kind == VERIFIED_HARD)
         keep_size(&options);
-    else if (!task->scene->is_file) {
+    else if (task->scene->kind == VERIFIED_BUILTIN) {
         put_first(&options, (struct option_change){scene_set_size, usual_size});
         put_first(&options, (struct option_change){scene_set_wavelengths, usual_wavelengths});
     }
@@ -345,7 +331,6 @@ static bool report(const struct verification *of, struct options *options, struc
 static bool write_page(struct options *options, const struct verification *of, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct page_scene *scenes;
     if (!has_live_pages())
         return error_usage(err, "--page needs a program that holds itself for browsers; "
                                 "./build.sh live makes one");
@@ -353,17 +338,8 @@ static bool write_page(struct options *options, const struct verification *of, s
         own->list || options->json)
         return error_usage(err, "--page draws nothing here, by the GPU of the browser that opens "
                                 "it; it takes scenes and their options, --strict and --unchecked");
-    if (!MAKE_ARRAY(scenes, of->n_scenes, err, "the scenes of a page"))
-        return false;
-    for (int i = 0; i < of->n_scenes; i++) {
-        const struct verify_scene *scene = &of->scenes[i];
-        const char *kind = scene->is_hard ? "hard" : scene->is_file ? "file" : "built-in";
-        scenes[i] = (struct page_scene){scene->name, scene->path, kind};
-    }
-    const bool done = verifier_write(options, scenes, of->n_scenes, err) &&
-                      options_show_output(options, "page", options->output, err);
-    free(scenes);
-    return done;
+    return verifier_write(options, of->scenes, of->n_scenes, err) &&
+           options_show_output(options, "page", options->output, err);
 }
 
 /* ---- the command ---- */

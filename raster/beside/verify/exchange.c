@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pixels that another program drew, as a renderer: a folder with the colours of each pass, and
  * perhaps numbers of triangles and depths. */
-#include <errno.h>
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

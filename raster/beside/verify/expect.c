@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An earlier report, whose outcomes are expected again. Of its JSON (RFC 8259) only the strings
  * count: each is a key, or the value of the key before. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "raster/beside/verify/inside.h"
 
 /* Returns the next string, without its escapes, and moves *at behind it; NULL: there is none. The

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as another program needs it: numbers of single precision as OpenGL gets them, in the byte
  * order of this machine, and lines of words. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "raster/beside/verify/inside.h"
 
 /* A description that grows. */

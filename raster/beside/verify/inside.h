@@ -3,9 +3,9 @@
 #ifndef RASTER_BESIDE_VERIFY_INSIDE_H
 #define RASTER_BESIDE_VERIFY_INSIDE_H
 
-#include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
+#include "raster/beside/view/view.h"
 #include "raster/volumes/volumes.h"
 
 /* ---- export_scene.c: a scene as files ---- */
@@ -53,13 +53,8 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
 
 /* ---- command.c ---- */
 
-enum { /* those of a check; or no picture was drawn */
-       VERIFY_AGREED = OUTCOME_AGREED,
-       VERIFY_DIFFERS = OUTCOME_DIFFERS,
-       VERIFY_NOT_VERIFIED = OUTCOME_NOT_VERIFIED,
-       VERIFY_FAILED,
-       VERIFY_OUTCOMES
-};
+/* The outcomes of a check, and: no picture was drawn. */
+enum { VERIFY_FAILED = OUTCOME_NOT_VERIFIED + 1, VERIFY_OUTCOMES };
 extern const char *const verify_words[]; /* of these outcomes */
 /* The result of a scene on a driver; it owns nothing. */
 struct verify_result {
@@ -70,19 +65,13 @@ struct verify_result {
                         agrees */
 };
 int change_of(const struct verify_result *result); /* below 0: worse than expected; above: better */
-/* A scene, as render takes it. */
-struct verify_scene {
-    char name[BUILTIN_NAME]; /* "hard/..." of a hard case; of a file the end of its path */
-    char *path;              /* as SCENE of render; owned */
-    bool is_hard, is_file;   /* neither: it is drawn with usual_size and usual_wavelengths unless
-                                the options say otherwise */
-};
-/* Large enough for every effect of the built-in scenes, at a tenth of their time. */
+/* Built-in scenes that are not hard are drawn so, unless the options say otherwise. Large enough
+ * for every effect of the built-in scenes, at a tenth of their time. */
 extern const char usual_size[], usual_wavelengths[];
 
 struct verification {
     struct listed_driver *drivers; /* see raster/beside/measure */
-    struct verify_scene *scenes;
+    struct verified_scene *scenes;
     struct verify_result *results; /* [driver][scene] */
     int n_drivers, n_scenes;
     double seconds;

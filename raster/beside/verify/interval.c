@@ -2,13 +2,8 @@
 /* The legal interval: the lowest and the highest count that an OpenGL which keeps the rules may
  * show at each pixel, in each band. The reference and its bounds say so, over all candidates of a
  * pixel; nothing is drawn by OpenGL. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/stack/stack.h"
+#include "raster/beside/see/see.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/counts/counts.h"
 
 struct interval { /* in counts */
     double low, high;
@@ -134,17 +129,14 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
 
 /* ---- the file ---- */
 
-/* Returns the names of the pages in lines, "450 nm low", "450 nm high", allocated; NULL on failure.
- */
-static char *name_pages(const struct plan *plan, struct error *err)
+/* Prints the names of the pages in lines, "450 nm low", "450 nm high". */
+static void name_pages(const struct plan *plan, struct printed *to)
 {
-    struct printed names = {.text = NULL};
     char band[BAND_NAME];
     for (int i = 0; i < plan->n_bands; i++) {
         band_name(plan, i, band);
-        print(&names, "%s low\n%s high\n", band, band);
+        print(to, "%s low\n%s high\n", band, band);
     }
-    return printed_take(&names, err);
 }
 
 static bool allocate(struct intervals *of, struct error *err)
@@ -166,28 +158,21 @@ static bool write_file(struct intervals *of, const struct interval_file *to, str
 {
     const struct plan *plan = of->lit->plan;
     const struct rectangle picture = plan_picture(plan);
-    struct printed lines = {.text = NULL};
+    struct printed lines = {.text = NULL}, names = {.text = NULL};
     record_put_beside(&lines, "bounds of", plan->scene, to->options);
     print(&lines, "bounds for: %s\n", name_of(of->lit->driver));
-    char *record = printed_take(&lines, err), *names = name_pages(plan, err);
+    name_pages(plan, &names);
     const struct stack_options layout = {.width = plan->scene->width,
                                          .height = plan->scene->height,
                                          .n_wavelengths = 2 * plan->n_bands,
-                                         .names = names,
                                          .full_scale = of->lit->full_scale,
                                          .unit = has_components(plan)             ? NULL
                                                  : scene_is_absolute(plan->scene) ? ABSOLUTE_UNIT
                                                                                   : RELATIVE_UNIT,
-                                         .scene = plan->scene->path,
-                                         .provenance = record};
-    bool done = record && names && stack_open(&of->writer, to->path, &layout, err);
-    free(record);
-    free(names);
-    done = done && tiles_each(of->lit, &picture, treat_tile, of, err) &&
-           stack_finish(&of->writer, "bounds by the reference", err) &&
-           output_pass(&of->writer.pages.output, to->outputs, err);
-    stack_discard(&of->writer);
-    return done;
+                                         .scene = plan->scene->path};
+    const bool done = named_pages_open(&of->writer, to->path, layout, &lines, &names, err) &&
+                      tiles_each(of->lit, &picture, treat_tile, of, err);
+    return named_pages_end(&of->writer, done, "bounds by the reference", to->outputs, err);
 }
 
 bool interval_write(const struct lit_scene *lit, const struct interval_file *to, uint64_t *n_open,

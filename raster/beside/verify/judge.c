@@ -2,8 +2,6 @@
 /* spectral export and spectral judge. Both plan the scene as spectral render does; judge reads its
  * name and the options from the exported folder. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/verify/inside.h"
 

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The results as a table, as JSON and as JUnit's XML. */
-#include <math.h>
-#include <string.h>
-
 #include "raster/beside/verify/inside.h"
 
 /* ---- the table ---- */
@@ -73,8 +70,8 @@ void verify_head(const struct verification *of, int driver, struct printed *to)
 void verify_sum(const struct verification *of, int driver, struct printed *to)
 {
     const struct totals totals = totals_of(result_of(of, driver, 0), of->n_scenes);
-    print(to, "  agreed %d, differ %d, not verified %d, died %d\n\n", totals.n[VERIFY_AGREED],
-          totals.n[VERIFY_DIFFERS], totals.n[VERIFY_NOT_VERIFIED], totals.n[VERIFY_FAILED]);
+    print(to, "  agreed %d, differ %d, not verified %d, died %d\n\n", totals.n[OUTCOME_AGREED],
+          totals.n[OUTCOME_DIFFERS], totals.n[OUTCOME_NOT_VERIFIED], totals.n[VERIFY_FAILED]);
 }
 
 /* Prints a command for each failure, which repeats it. */
@@ -85,7 +82,7 @@ static void print_failures(const struct verification *of, const struct options *
     bool any = false;
     for (int d = 0; d < of->n_drivers; d++)
         for (int s = 0; s < of->n_scenes; s++) {
-            if (result_of(of, d, s)->outcome == VERIFY_AGREED)
+            if (result_of(of, d, s)->outcome == OUTCOME_AGREED)
                 continue;
             if (!any)
                 print_text(to, "\nto repeat what failed:\n");
@@ -94,7 +91,7 @@ static void print_failures(const struct verification *of, const struct options *
             print_text(to, "  spectral render");
             print_shell(to, of->scenes[s].path);
             print(to, " -o /dev/null %s", by);
-            if (!of->scenes[s].is_hard && !of->scenes[s].is_file)
+            if (of->scenes[s].kind == VERIFIED_BUILTIN)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
             for (int i = 0; i < options->n_recorded; i++) { /* all but those of the driver */
                 const char *word = options->recorded[i];
@@ -171,7 +168,7 @@ void verify_json(const struct verification *of, struct json *json)
         for (int i = 0; reported[i].key; i++)
             json_string(json, reported[i].key, reported[i].value);
         json_count(json, "agreed",
-                   (uint64_t)totals_of(result_of(of, d, 0), of->n_scenes).n[VERIFY_AGREED]);
+                   (uint64_t)totals_of(result_of(of, d, 0), of->n_scenes).n[OUTCOME_AGREED]);
         json_open(json, "scenes", '[');
         for (int s = 0; s < of->n_scenes; s++)
             json_result(of->scenes[s].name, result_of(of, d, s), json);
@@ -200,7 +197,7 @@ static void print_case(const struct listed_driver *by, const char *scene,
     print_attribute(to, "classname",
                     by->is.names.renderer[0] ? by->is.names.renderer : by->library);
     print(to, " time=\"%.3f\"", result->seconds);
-    if (result->outcome == VERIFY_AGREED) {
+    if (result->outcome == OUTCOME_AGREED) {
         print_text(to, "/>\n");
         return;
     }
@@ -221,7 +218,7 @@ static void print_counts(const struct verify_result *results, int n, struct prin
     for (int i = 0; i < n; i++)
         errors += results[i].outcome == VERIFY_FAILED && change_of(&results[i]) < 0;
     print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" skipped=\"%d\" time=\"%.3f\">\n", n,
-          totals.worse - errors, errors, n - totals.n[VERIFY_AGREED] - totals.worse,
+          totals.worse - errors, errors, n - totals.n[OUTCOME_AGREED] - totals.worse,
           totals.seconds);
 }
 

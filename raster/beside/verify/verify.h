@@ -7,7 +7,6 @@
 #define RASTER_BESIDE_VERIFY_VERIFY_H
 
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- judge.c: spectral export, spectral judge ---- */
 

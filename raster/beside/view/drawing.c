@@ -136,13 +136,9 @@ bool still_write(struct viewing *view, struct error *err)
 
 bool put_first(struct viewing *view, struct page_parts *to, struct error *err)
 {
-    struct printed png = {.text = NULL};
-    develop_scene(&view->lit, view->options, &png, &view->out_of_gamut, err);
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
-    to->first = printed_take(&png, err);
-    to->n_first = png.length;
-    return to->first != NULL;
+    return develop_scene(&view->lit, view->options, &to->first, &view->out_of_gamut, err);
 }
 
 /* ---- the page, and its data alone ---- */

@@ -106,10 +106,9 @@ void put_packed(struct printed *to, const char *id, const void *bytes, size_t le
 enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE, PAGE_VERIFIER };
 struct page_parts {
     enum page_kind kind;
-    struct printed data; /* elements that put_json and put_packed make */
-    char *first;         /* a PNG that the page shows while it starts; NULL: none; owned */
-    size_t n_first;
-    int width, height; /* of that */
+    struct printed data;  /* elements that put_json and put_packed make */
+    struct printed first; /* a PNG that the page shows while it starts; empty: none */
+    int width, height;    /* of that */
 };
 /* Writes a page of these parts, which it frees, to the options' output, unless *err has a failure
  * already. */

@@ -198,9 +198,10 @@ bool live_write(struct viewing *view, struct error *err)
     return write_page(&parts, &json, &bytes, view->options, &view->bytes, err);
 }
 
-static bool put_verified(const struct options *options, const struct page_scene *of,
+static bool put_verified(const struct options *options, const struct verified_scene *of,
                          struct json *json, struct printed *bytes, struct error *err)
 {
+    static const char *const kinds[] = {"built-in", "hard", "file"};
     struct options alone = *options;
     struct scene scene;
     char *marked = marked_name(of->path, err);
@@ -208,7 +209,7 @@ static bool put_verified(const struct options *options, const struct page_scene 
     alone.n_operands = 1;
     json_open(json, NULL, '{');
     json_string(json, "name", of->name);
-    json_string(json, "kind", of->kind);
+    json_string(json, "kind", kinds[of->kind]);
     const bool done = marked && scene_read_options(&alone, &scene, err) &&
                       put_scene(&alone, &scene, json, bytes, err);
     json_close(json, '}');
@@ -218,7 +219,7 @@ static bool put_verified(const struct options *options, const struct page_scene 
     return done;
 }
 
-bool verifier_write(struct options *options, const struct page_scene *scenes, int n,
+bool verifier_write(struct options *options, const struct verified_scene *scenes, int n,
                     struct error *err)
 {
     struct page_parts parts = {.kind = PAGE_VERIFIER};

@@ -9,21 +9,19 @@
  * it; of those that compress by more than this, the least factor may be missed. */
 static const double text_per_byte = 4.0 / 3, most_compressed = 4;
 
-/* Finds the size of the page for the next factor. */
-static void find_size(struct stack_page *out)
+/* Finds the size of the page for the next factor that may fit, if the samples are compressed by so
+ * much. */
+static void find_size(struct stack_page *out, double compressed)
 {
     const struct image *image = &out->rows.cube.image;
     out->counts = !image_is_float(image);
-    out->factor++;
-    out->width = (image->width + out->factor - 1) / out->factor;
-    out->height = (image->height + out->factor - 1) / out->factor;
-    out->n_pixels = (size_t)out->width * (size_t)out->height;
-    out->n_bytes = (double)out->width * out->height * image->n_pages * (out->counts ? 2 : 4);
-}
-
-static bool may_fit(const struct stack_page *of, double compressed)
-{
-    return of->n_bytes * text_per_byte <= compressed * of->budget_bytes || of->n_pixels == 1;
+    do {
+        out->factor++;
+        out->width = (image->width + out->factor - 1) / out->factor;
+        out->height = (image->height + out->factor - 1) / out->factor;
+        out->n_pixels = (size_t)out->width * (size_t)out->height;
+        out->n_bytes = (double)out->n_pixels * image->n_pages * (out->counts ? 2 : 4);
+    } while (out->n_bytes * text_per_byte > compressed * out->budget_bytes && out->n_pixels > 1);
 }
 
 /* Stores a mean as a float, or as a count of scale / LARGEST_SAMPLE. */
@@ -170,9 +168,7 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
 static void put_next(struct stack_page *of, const char *stack, double compressed,
                      struct printed *to, struct error *err)
 {
-    do
-        find_size(of);
-    while (!may_fit(of, compressed));
+    find_size(of, compressed);
     FREE_ALL(of->samples, of->objects, of->rows.samples);
     of->samples = of->objects = NULL;
     of->rows.samples = NULL;

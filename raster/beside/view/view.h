@@ -16,10 +16,12 @@ extern const struct command view_command;
 
 /* ---- live.c: a page that verifies the GPU of its browser ---- */
 
-struct page_scene {
-    const char *name; /* that the page shows */
-    const char *path; /* as SCENE of render */
-    const char *kind; /* built-in: drawn at the page's size; hard: at its own; file */
+/* A scene to be verified. */
+struct verified_scene {
+    char name[BUILTIN_NAME]; /* "hard/..." of a hard case; of a file the end of its path */
+    const char *path;        /* as SCENE of render */
+    /* A built-in one is drawn at the page's size, unless it is hard. */
+    enum { VERIFIED_BUILTIN, VERIFIED_HARD, VERIFIED_FILE } kind;
 };
 /* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
  * writes live pages. */
@@ -27,7 +29,7 @@ bool has_live_pages(void);
 /* Writes a page to options->output that holds this program and n scenes, changed as the options
  * say: it draws them by WebGL2, and judges each. Fails, and writes nothing, where a scene cannot be
  * read. */
-bool verifier_write(struct options *options, const struct page_scene *scenes, int n,
+bool verifier_write(struct options *options, const struct verified_scene *scenes, int n,
                     struct error *err);
 
 #endif

@@ -108,7 +108,7 @@ static bool is_left_out(const struct page *page, const char *name)
 static void put_frame(struct page *page)
 {
     const struct page_parts *parts = page->parts;
-    if (!parts->first) {
+    if (parts->first.length == 0) {
         print_text(&page->text, "<div id=\"frame\">\n");
         return;
     }
@@ -118,7 +118,7 @@ static void put_frame(struct page *page)
           "  src=\"data:image/png;base64,",
           parts->width < 300 ? 300 : parts->width, (double)parts->width / parts->height,
           parts->width, parts->height);
-    print_base64((const unsigned char *)parts->first, parts->n_first, &page->text);
+    print_base64((const unsigned char *)parts->first.text, parts->first.length, &page->text);
     print_text(&page->text, "\">\n");
 }
 
@@ -166,7 +166,7 @@ bool page_write(struct page_parts *parts, struct options *options, size_t *bytes
     struct page page = {.parts = parts, .err = err};
     put_file(&page, parts->kind == PAGE_VERIFIER ? "live-verify.html" : "page.html");
     free(printed_take(&parts->data, err)); /* says whether the data are whole */
-    free(parts->first);
+    free(printed_take(&parts->first, err));
     *bytes = page.text.length;
     return printed_write(&page.text, options->output, &options->outputs, err);
 }
