@@ -230,6 +230,32 @@ static void check_sheet(void)
     CHECK(same, "where normals are opposite, nothing moves");
 }
 
+static double by_texture(const struct vertex *at)
+{
+    return at->s;
+}
+
+/* Files write -0, too: that is the same place as 0. */
+static void check_minus_zero(void)
+{
+    struct vertex vertices[6];
+    int32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    const struct vector corner[6] = {{0.0, 0, 0},  {1, 0, 0},    {0.0, 1, 0},
+                                     {-0.0, 0, 0}, {-0.0, 1, 0}, {-1, 0, 0}};
+    struct mesh mesh = {.vertices = vertices,
+                        .triangles = triangles,
+                        .n_vertices = 6,
+                        .n_triangles = 2,
+                        .n_parts = 1};
+    for (int i = 0; i < 6; i++)
+        vertices[i] = (struct vertex){corner[i], {0, 0, 1}, i < 3 ? 0.2 : 0.4, 0};
+    displace(&mesh, by_texture, 1);
+    CHECK_NEAR(vertices[0].position.z, 0.3, 1e-15, "-0 is the place of 0");
+    CHECK(memcmp(&vertices[0].position, &vertices[3].position, sizeof(struct vector)) == 0 &&
+              memcmp(&vertices[2].position, &vertices[4].position, sizeof(struct vector)) == 0,
+          "and moves to the same bits");
+}
+
 /* Turns all triangles over: their faces are then inside out, while normals stay outward. */
 static void check_inside_out(void)
 {
@@ -275,6 +301,7 @@ int main(void)
     check_rim();
     check_nothing();
     check_sheet();
+    check_minus_zero();
     check_inside_out();
     check_large();
     return test_end();

@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, check, done, judged, output_of, path_of, reference, refuses, render, run, write
+from rendered import FAULTS, check, done, judged, output_of, path_of, reference, refuses, render, run, stack_of, write
 
 VIEW = """wavelengths 450 650 100
 size 150 100
@@ -173,6 +173,22 @@ def together():
     check(status == 0, "several positions a pixel agree", message)
 
 
+def inside_out():
+    """A sphere that is turned through its centre shows backs, which hide what lies behind them."""
+    tifffile.imwrite(path_of("one.tif"), np.ones((2, 2), np.float32))
+    text = "wavelengths list 500 550 600\nsize 60 60\ncamera ortho 3\nlight 1 1 direction 0 0 1\nmaterial m { diffuse 0.8 }\n"
+    text += "object sphere 1 24 16 displace one.tif -2 material m\nobject plane 0.5 0.5 material m translate 1.2 1.2 0\n"
+    for options in ["--renderer", "raster"], []:
+        pixels = stack_of(write("turned.scene", text), *options)
+        check(not pixels[:, 20:40, 20:40].any() and pixels.any(), "the back of a sphere inside out is black, and hides its front",
+              pixels[:, 20:40, 20:40].max())
+    pixels = stack_of(write("turned.scene", text.replace("-2 material", "-2 two-sided material")))
+    check(pixels[:, 20:40, 20:40].all(), "and is lit where the object is two-sided")
+    within = text.replace("ortho 3", "ortho 3 near 0.05 far 10").replace("0 0 1\n", "0 0 1 shadows\n") + "object plane 1 material m translate 0 0 -0.2\n"
+    pixels = stack_of(write("within.scene", within))
+    check(not pixels[:, 22:38, 22:38].any(), "its backs throw a shadow on what lies within it", pixels[:, 22:38, 22:38].max())
+
+
 def refused():
     for value in np.nan, np.inf, -0.5:
         samples = np.full((4, 4), 0.5, np.float32)
@@ -203,6 +219,7 @@ surfaces()
 closed()
 counted()
 together()
+inside_out()
 refused()
 built_in()
 done()
