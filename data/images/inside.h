@@ -5,10 +5,11 @@
 
 #include "data/images/images.h"
 
+enum { MEAN_COLOUR = 4 }; /* of sample_layout.colour */
+
 /* How the samples of a page lie in the file: in blocks, which are tiles, or strips as wide as the
  * page. Uncompressed rows that lie one after the other are read in blocks of our own choice, which
  * fit into the processor's cache. */
-enum { MEAN_COLOUR = 4 };
 struct sample_layout {
     uint64_t directory; /* the offset of the page's directory */
     uint32_t width, height, block_width, block_height;
