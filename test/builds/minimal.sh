@@ -56,6 +56,12 @@ prints '^verdict +not checked: this program was built without OpenGL' "and says 
 "$made/full/spectral" render patches --size 120x80 --renderer raster -q -o "$tmp/whole.tif"
 cmp "$tmp/small.tif" "$tmp/whole.tif"
 ok $? "the same bytes as of --renderer raster"
+strip -o "$tmp/stripped" "$made/none/spectral-minimal"
+[ "$(wc -c <"$tmp/stripped")" -le 560000 ]
+ok $? "stripped it has at most 560,000 bytes"
+run "$made/none/spectral-minimal" render colorchecker --size 120x80 --threads 2 --json - -o "$tmp/small.tif"
+[ "$(sed -n 's/.*"peak_bytes": *\([0-9]*\).*/\1/p' "$tmp/out")" -le $((11 << 20)) ]
+ok $? "it takes at most 11 MiB of memory for 120 x 80 pixels"
 refuses 'add --renderer raster' "OpenGL" "$made/none/spectral-minimal" render patches --renderer gl -o "$tmp/x.tif"
 
 # ---- what each program proposes ----
