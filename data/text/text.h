@@ -279,7 +279,8 @@ struct options {
     char *named_output;     /* of options_name_output; owned */
     struct outputs outputs; /* complete; they appear when the command has ended well */
     void *own;              /* the own options of the command, zeroed before reading; owned */
-    const char *output, *json, *sampling, *detector, *white, *matrix, *display, *accuracy;
+    const char *output, *json, *sampling, *detector, *white, *matrix, *display, *exposure,
+        *accuracy;
     int threads, memory_mib, max_triangles;
     bool quiet, verbose, help;
 };

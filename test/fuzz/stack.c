@@ -101,8 +101,8 @@ static void join_part(const char *path)
 
 static void develop_colour(const char *path)
 {
-    struct options options = {.detector = "cie1931"};
-    const struct development of = {.options = &options, .bits = 16, .automatic = true};
+    struct options options = {.detector = "cie1931", .exposure = "auto"};
+    const struct development of = {.options = &options, .bits = 16};
     develop_stack(path, of, ".png");
 }
 
@@ -111,7 +111,6 @@ static void develop_adapted(const char *path)
     struct options options = {.detector = "cie1964", .white = "d65"};
     const struct development of = {.options = &options,
                                    .adaptation = {ADAPTATION_CAT16, 0},
-                                   .exposure = 1,
                                    .values = DEVELOP_LAB,
                                    .bits = 32};
     develop_stack(path, of, ".developed.tif");

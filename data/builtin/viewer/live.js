@@ -559,7 +559,7 @@ async function show_gallery() {
     button.addEventListener("click", () => open_builtin(name));
     element("gallery").append(button);
     const {painted} = await drawer.ask({task: "draw", words: [name], size: [`--size=${THUMBNAIL.width}x${THUMBNAIL.height}`, "--samples=2"],
-      keys: {geometry: name, spectra: name}, eye: {...eye_names(), view: "detector"}, exposure: 1, whole: false});
+      keys: {geometry: name, spectra: name}, eye: {...eye_names(), view: "detector"}, exposure: wanted_exposure(), whole: false});
     if (painted) small.getContext("2d").putImageData(new ImageData(painted.data, painted.width, painted.height), 0, 0);
   }
   drawer.end();

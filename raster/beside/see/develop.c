@@ -199,16 +199,9 @@ static bool open_picture(const struct development *of, struct picture_writer *ou
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
     const struct display *display = &of->display;
     struct printed printed = {.text = NULL};
-    if (of->lit)
-        print(&printed,
-              "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
-              "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, options_detector(of->options), of->display.name, of->exposure);
-    else {
-        print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
-              of->cube.image.path);
-        develop_print_settings(of, &printed);
-    }
+    print(&printed, "%-18s" PROGRAM "\n", of->lit ? "drawn by" : "developed by");
+    print_fact(&printed, of->lit ? "scene" : "stack", of->cube.image.path);
+    develop_print_settings(of, &printed);
     char *text = picture_text(printed_take(&printed, err));
     const struct picture_options options = {
         .width = of->cube.image.width,
@@ -295,6 +288,8 @@ static bool write_picture(struct development *of, struct error *err)
 bool develop(struct development *of, struct error *err)
 {
     const char *display = of->options->display;
+    of->exposure = exposure_factor(of->options, of->lit ? "auto" : "1");
+    of->automatic = of->exposure == 0;
     of->clipped = (struct counter)COUNTER;
     of->full_scale = 1;
     return display_read(display ? display : "srgb", &of->display, err) &&
@@ -320,15 +315,11 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
 }
 
 bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
-                   uint64_t *out_of_gamut, struct error *err)
+                   double *exposure, uint64_t *out_of_gamut, struct error *err)
 {
-    struct development of = {.options = options,
-                             .bits = 8,
-                             .exposure = 1,
-                             .automatic = memory != NULL,
-                             .memory = memory,
-                             .lit = lit};
+    struct development of = {.options = options, .bits = 8, .memory = memory, .lit = lit};
     const bool done = scene_cube(lit->plan->scene, &of.cube, err) && develop(&of, err);
+    *exposure = of.exposure;
     *out_of_gamut = of.clipped.n;
     free(of.cube.record.white.value);
     of.cube = (struct cube){.components = false}; /* the scene owns the rest */

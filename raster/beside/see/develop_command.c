@@ -4,8 +4,27 @@
 
 /* ---- options ---- */
 
+static bool accept_exposure(const char *option, const char *value, struct error *err)
+{
+    double ignored;
+    return strcmp(value, "auto") == 0 || option_number(option, value, 1e-12, 1e12, &ignored, err);
+}
+
+static const struct option exposure_rows[] = {
+    {"--exposure FACTOR|auto",
+     "a factor, or auto: nothing is brighter than the display (default: 1; view: auto)",
+     SHARED(TEXT, exposure), .accepts = accept_exposure},
+};
+const struct option_list exposure_option = OPTION_LIST(exposure_rows);
+
+double exposure_factor(const struct options *options, const char *usual)
+{
+    const char *value = options->exposure ? options->exposure : usual;
+    return strcmp(value, "auto") == 0 ? 0 : strtod(value, NULL);
+}
+
 struct develop_own {
-    const char *adaptation, *exposure, *bits;
+    const char *adaptation, *bits;
     bool xyz, lab, raw;
 };
 
@@ -13,19 +32,15 @@ static bool read_options(struct options *options, struct development *out, struc
 {
     const struct develop_own *own = options->own;
     *out = (struct development){.options = options,
-                                .exposure = 1,
                                 .values = own->raw   ? DEVELOP_RAW
                                           : own->xyz ? DEVELOP_XYZ
                                           : own->lab ? DEVELOP_LAB
-                                                     : DEVELOP_RGB,
-                                .automatic = own->exposure && strcmp(own->exposure, "auto") == 0};
+                                                     : DEVELOP_RGB};
     out->bits = own->bits ? (int)strtol(own->bits, NULL, 10) : out->values == DEVELOP_RGB ? 8 : 32;
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
-    return (!own->adaptation ||
-            adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
-           (!own->exposure || out->automatic ||
-            option_number("--exposure", own->exposure, 1e-12, 1e12, &out->exposure, err));
+    return !own->adaptation ||
+           adaptation_read("--adaptation", own->adaptation, &out->adaptation, err);
 }
 
 /* ---- in words, and as JSON ---- */
@@ -155,9 +170,6 @@ static const struct option develop_rows[] = {
     {"--display srgb|monitor|FILE",
      "sRGB (default), the monitor of the 1998 thesis, or primaries, gain, offset and gamma",
      SHARED(TEXT, display)},
-    {"--exposure FACTOR|auto",
-     "a factor, or auto: nothing is brighter than the display (default: 1)",
-     OWN(TEXT, develop_own, exposure)},
     {"--bits 8|16", "bits of each channel (default: 8)", OWN(TEXT, develop_own, bits),
      .choices = picture_bits},
     {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},
@@ -173,7 +185,7 @@ const struct command develop_command = {
     .first = "writes the picture that a person sees",
     .run = run_develop,
     .rows = OPTION_LIST(develop_rows),
-    .shared = {&seeing_options, &threads_option, &json_option, &quiet_option},
+    .shared = {&exposure_option, &seeing_options, &threads_option, &json_option, &quiet_option},
     .own_size = sizeof(struct develop_own),
     .n_operands = 1,
 };

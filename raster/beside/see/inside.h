@@ -47,18 +47,19 @@ enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
 /* A stack that is being developed. */
 struct development {
     /* The caller sets these, and zeroes all others. */
-    struct options *options; /* detector, white, threads and output; its outputs get the picture */
+    struct options *options; /* detector, white, exposure, threads and output; its outputs get the
+                                picture */
     struct adaptation adaptation; /* a luminance of 0 is found */
     struct display display;
     enum develop_values values;
-    int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
-                        of counts of the largest */
-    double exposure; /* factor of all radiances */
-    bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
-                        the picture to just 1 (or 100), or the largest raw value to 1 */
+    int bits; /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
+                 of counts of the largest */
     struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
     const struct lit_scene *lit; /* is drawn in place of a stack, and has a cube; NULL: none */
     /* The findings. */
+    double exposure; /* factor of all radiances */
+    bool automatic;  /* it brings the largest displayed value (or Y) of the picture to just 1 (or
+                        100), or the largest raw value to 1 */
     struct cube cube;
     double first_nm, last_nm; /* of pages, or of the range of components */
     struct sight sight;       /* weights: of the display's channels, of XYZ, or of raw values */

@@ -47,13 +47,18 @@ extern const struct command curves_command;
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
+/* --exposure, of pictures and pages. */
+extern const struct option_list exposure_option;
+/* Returns the factor that --exposure names, or `usual` where it is not given; 0: "auto". */
+double exposure_factor(const struct options *options, const char *usual);
+
 /* Draws a scene by the reference, and writes a PNG of it, as the options' detector sees it without
- * adaptation on an sRGB display: to the options' output, at exposure 1; or to *memory, unless that
- * is NULL, at the exposure that "develop --exposure auto" finds. *out_of_gamut: pixels with a
- * clipped channel. Samples of the scene's plan are floats. Memory beside *memory does not grow with
- * the picture's height. */
+ * adaptation on their display, at their exposure, by default that of "develop --exposure auto": to
+ * the options' output; or to *memory, unless that is NULL. *exposure is its factor; *out_of_gamut:
+ * pixels with a clipped channel. Samples of the scene's plan are floats. Memory beside *memory does
+ * not grow with the picture's height. */
 bool develop_scene(const struct lit_scene *lit, struct options *options, struct printed *memory,
-                   uint64_t *out_of_gamut, struct error *err);
+                   double *exposure, uint64_t *out_of_gamut, struct error *err);
 /* Makes a cube of a scene: a stack that records its white and nothing else. The caller frees
  * record.white.value, also after a failure; the scene owns the rest. */
 bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);

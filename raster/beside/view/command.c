@@ -49,10 +49,13 @@ static void tell_scene(const struct viewing *view, enum output_kind kind, struct
     print(&to->words, "objects           %d\nlights            %d\n", plan->n_instances,
           plan->n_lights);
     if (kind == PICTURE) {
+        json_number(&to->json, "exposure", view->exposure);
         json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
         print(&to->words,
+              "exposure          %.10g%s\n"
               "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
               "picture           %s\n",
+              view->exposure, exposure_factor(view->options, "auto") > 0 ? "" : " (auto)",
               view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
               view->options->output);
     } else
@@ -234,8 +237,8 @@ const struct command view_command = {
     .first = "writes a page for the browser",
     .run = run_view,
     .rows = OPTION_LIST(view_rows),
-    .shared = {&scene_options, &shading_options, &accuracy_options, &threads_option, &json_option,
-               &quiet_option},
+    .shared = {&exposure_option, &scene_options, &shading_options, &accuracy_options,
+               &threads_option, &json_option, &quiet_option},
     .own_size = sizeof(struct view_options),
     .n_operands = 1,
 };

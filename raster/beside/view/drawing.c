@@ -131,14 +131,16 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
 
 bool still_write(struct viewing *view, struct error *err)
 {
-    return develop_scene(&view->lit, view->options, NULL, &view->out_of_gamut, err);
+    return develop_scene(&view->lit, view->options, NULL, &view->exposure, &view->out_of_gamut,
+                         err);
 }
 
 bool put_first(struct viewing *view, struct page_parts *to, struct error *err)
 {
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
-    return develop_scene(&view->lit, view->options, &to->first, &view->out_of_gamut, err);
+    return develop_scene(&view->lit, view->options, &to->first, &view->exposure,
+                         &view->out_of_gamut, err);
 }
 
 /* ---- the page, and its data alone ---- */

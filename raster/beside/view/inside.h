@@ -19,7 +19,8 @@ struct viewing {
     const struct plan *plan;
     struct lit_scene lit;  /* of the plan; a description needs none */
     size_t bytes;          /* of a page */
-    uint64_t out_of_gamut; /* pixels of a picture with a clipped channel */
+    double exposure;       /* of a picture */
+    uint64_t out_of_gamut; /* its pixels with a clipped channel */
     struct notes *notes;
 };
 /* All functions that take a view and end in _write write its output. On failure no file has been
@@ -47,7 +48,7 @@ bool viewer_write(struct viewing *view, struct error *err);
 bool description_write(struct viewing *view, struct error *err);
 bool weights_write(struct viewing *view, struct error *err);
 
-/* Writes the picture that the page shows first: see develop_scene. */
+/* Writes the picture that the page shows first. */
 bool still_write(struct viewing *view, struct error *err);
 
 /* ---- stack_page.c: a stack in a page ---- */
@@ -114,7 +115,7 @@ struct page_parts {
  * already. */
 bool page_write(struct page_parts *parts, struct options *options, size_t *bytes,
                 struct error *err);
-/* drawing.c. Draws the picture that the page of a scene shows first, at its automatic exposure. */
+/* drawing.c. Draws the picture that the page of a scene shows first: see develop_scene. */
 bool put_first(struct viewing *view, struct page_parts *to, struct error *err);
 
 #endif

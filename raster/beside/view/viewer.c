@@ -90,6 +90,7 @@ static const char policy[] =
 
 struct page {
     const struct page_parts *parts;
+    const struct options *options;
     struct printed text;
     struct error *err;
 };
@@ -122,6 +123,18 @@ static void put_frame(struct page *page)
     print_text(&page->text, "\">\n");
 }
 
+/* Puts the controls of the exposure. They begin, and a reset of their form ends, with that of the
+ * command line. */
+static void put_exposure(struct page *page)
+{
+    const double factor = exposure_factor(page->options, "auto");
+    print(
+        &page->text,
+        "<div><input type=\"number\" id=\"exposure\" min=\"0\" step=\"any\" value=\"%.*g\">\n"
+        "<label class=\"check\"><input type=\"checkbox\" id=\"auto\"%s> automatic</label></div>\n",
+        exact_digits(factor), factor > 0 ? factor : 1, factor > 0 ? "" : " checked");
+}
+
 /* Puts what a mark stands for. */
 static void put_marked(struct page *page, const char *name)
 {
@@ -132,6 +145,8 @@ static void put_marked(struct page *page, const char *name)
         print_text(&page->text, live ? "<body class=\"live\">\n" : "<body>\n");
     else if (strcmp(name, "frame") == 0)
         put_frame(page);
+    else if (strcmp(name, "exposure") == 0)
+        put_exposure(page);
     else if (strcmp(name, "policy") == 0)
         print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
               live ? "; worker-src blob:" : "");
@@ -163,7 +178,7 @@ bool page_write(struct page_parts *parts, struct options *options, size_t *bytes
     const struct builtin_file *module = parts->kind >= PAGE_LIVE ? find_module() : NULL;
     if (module)
         put_base64(&parts->data, "module", module->bytes, module->length);
-    struct page page = {.parts = parts, .err = err};
+    struct page page = {.parts = parts, .options = options, .err = err};
     put_file(&page, parts->kind == PAGE_VERIFIER ? "live-verify.html" : "page.html");
     free(printed_take(&parts->data, err)); /* says whether the data are whole */
     free(printed_take(&parts->first, err));

@@ -74,6 +74,11 @@ cmp -s "$tmp/page.HTM" "$tmp/page.html"
 ok $? "it is the same page"
 exits 0 "view writes a picture" "$SPECTRAL" view patches --size 60x40 -o "$tmp/still.png"
 prints '^picture +.*still.png' "view prints the name of the picture"
+for words in "" "--exposure auto" "--exposure 0.5"; do
+    # shellcheck disable=SC2086  # $words is a list of words
+    exits 0 "view writes a picture under a bright lamp, with '$words'" "$SPECTRAL" view patches --light 1=f11 --size 60x40 -o "$tmp/still.png" $words
+    prints "^exposure +0[.]$(case $words in *0.5) echo '5$' ;; *) echo '15[0-9]+ [(]auto[)]$' ;; esac)" "its exposure is the automatic one, or that which is asked for"
+done
 exits 0 "a picture is not limited to 16 megapixels" "$SPECTRAL" view patches --size 5000x4000 --wavelengths 500,600 \
     -o "$tmp/still.png" --quiet
 done_testing

@@ -216,31 +216,52 @@ def still(scene, *options):
         return np.asarray(image), open(path, "rb").read()
 
 
+def exposures():
+    """The PNG of view and each kind of page begin with the same exposure, which a reset of the page brings back."""
+    lamp = "--light=1=f11"
+    stack = rendered("patches", lamp)
+    for given, meant in (None, "auto"), ("auto", "auto"), ("0.07", "0.07"), ("1e0", "1"):
+        words = [f"--exposure={given}"] if given else []
+        expected, _ = developed(stack, f"--exposure={meant}")
+        seen, _ = still("patches", "--size", SIZE, lamp, *words)
+        check(distance(seen, expected) <= 1 and np.ptp(expected) > 100, f"--exposure {given}: the PNG of view is develop's picture", distance(seen, expected))
+        check(meant == "1" or np.mean((seen == 255).all(2)) < 0.05, f"--exposure {given}: it is not burnt out under a bright lamp")
+        for kind[:], subject in ([PROGRAM], "patches"), ([LIVE], "patches"), ([PROGRAM], stack):
+            browser.open(view(subject, "exposed", *words, *(["--size", SIZE, lamp] if subject == "patches" else ["--display=srgb"])))
+            opened = browser.pixels()
+            browser.tick("auto", meant != "auto")
+            browser.put("exposure", 0.01)
+            browser.evaluate("controls.reset()")
+            browser.settle()
+            check(distance(opened, expected) <= 1 and distance(browser.pixels(), expected) <= 1 and browser.message() == "",
+                  f"--exposure {given}: so opens a page of {os.path.basename(subject)} of {os.path.basename(kind[0])}, and so it is reset",
+                  distance(opened, expected), distance(browser.pixels(), expected))
+    kind[:] = [PROGRAM]
+
+
 def stills():
+    auto = "--exposure=auto"
     for scene in COMBINATIONS:
         browser.open(view(scene, scene))
-        browser.see_by([])
-        shown, expected = browser.pixels(), developed(rendered(scene))[0]
+        shown, expected = browser.pixels(), developed(rendered(scene), auto)[0]
         seen, _ = still(scene, "--size", SIZE)
         check(distance(seen, expected) <= 1 and np.mean(seen != expected) < 0.01 and np.ptp(expected) > 100,
               f"{scene}: the PNG of view is within 1 of 255 of develop's picture", distance(seen, expected))
-        check(distance(seen, shown) <= 1, f"{scene}: and of what the page shows at exposure 1", distance(seen, shown))
+        check(distance(seen, shown) <= 1, f"{scene}: and of what the page shows", distance(seen, shown))
     lamp = "--light=1=a*0.7", "--ambient=fluorescent*0.2"
-    expected, _ = developed(rendered("metamers", *lamp))
+    expected, _ = developed(rendered("metamers", *lamp), auto)
     seen, _ = still("metamers", "--size", SIZE, *lamp)
     check(distance(seen, expected) <= 1, "the PNG of view shows the lights of the command line")
     camera = f"--detector={write_camera()}"
-    expected, _ = developed(rendered("metamers"), camera)
+    expected, _ = developed(rendered("metamers"), camera, auto)
     seen, _ = still("metamers", "--size", SIZE, camera)
     check(distance(seen, expected) <= 1, "the PNG of view sees with a detector of one's own", distance(seen, expected))
     for subject, words in (("metamers", ("--size", SIZE, camera)), (rendered("metamers"), (camera,))):
         browser.open(view(subject, "camera", *words))
-        browser.tick("auto", False)
-        browser.put("exposure", 1)
         check(distance(browser.pixels(), expected) <= 1 and browser.evaluate("eye.detector.name") == camera.split("=")[1],
               f"and so does a page of {os.path.basename(subject)}", distance(browser.pixels(), expected))
     wide = "--size", "8300x20"  # two tiles side by side
-    expected, _ = developed(rendered("room", *wide))
+    expected, _ = developed(rendered("room", *wide), auto)
     pictures = [still("room", *wide, "--threads", threads) for threads in ("1", "2", "5")]
     check(distance(pictures[0][0], expected) <= 1, "the PNG of view has several tiles")
     check(pictures[0][1] == pictures[1][1] == pictures[2][1], "1, 2 and 5 threads give the same PNG")
@@ -460,7 +481,7 @@ def means():
     browser.see_by([])
     seen = browser.pixels()
     check(distance(seen, expected) <= 1, "a page of 4 x 4 positions shows develop's picture", distance(seen, expected))
-    seen, _ = still("textures", "--size", SIZE, *words)
+    seen, _ = still("textures", "--size", SIZE, "--exposure=1", *words)
     check(distance(seen, expected) <= 1, "and so does the PNG of view", distance(seen, expected))
     click_pixel(10, 10)
     stack = rendered("textures", "--depth", "32f", *words)
@@ -734,6 +755,7 @@ def main():
         bands("still" if kind == [PROGRAM] else "live")
     first_pictures()
     stills()
+    exposures()
     own_display()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
