@@ -42,6 +42,7 @@ PICTURES = {
     "patches-von-kries": ("patches", "300x200", A, ("--adaptation", "von-kries")),
 }
 
+SHEET = {"D65": "d65", "A, 2856 K": "a", "F2": "f2"}  # as seeing.md has it
 METAMERS = (((), AUTO), (A + ("--ambient", "a*0.1"), AUTO + ADAPTED), ((), AUTO + ("--detector", "dcs200-camera")))
 
 # name: scene, width, height, and the half of the map that is shown: the floor (0), or the floor in one band (1)
@@ -101,6 +102,15 @@ def metamers(folder):
     pasted(folder, "metamers", (900, 150), *((opened(str(number)), (300 * number, 0)) for number in range(3)))
 
 
+def lights(folder):
+    """A sheet of metameric pairs under three lamps."""
+    for light in SHEET.values():
+        run("render", "metamers", "--size", "300x150", "--light", f"1={light}", "--ambient", light + "*0.1", "-o", light + ".tif")
+    stacks = [f"{name}={light}.tif" for name, light in SHEET.items()]
+    subprocess.run([sys.executable, os.path.abspath("data/samples/sheet.py"), *stacks, "-o", os.path.abspath(os.path.join(folder, "lights.png")),
+                    *AUTO, *ADAPTED], check=True, cwd=WORK, env={**os.environ, "PATH": os.path.dirname(SPECTRAL) + ":" + os.environ["PATH"]}, stdout=subprocess.DEVNULL)
+
+
 def difference(folder):
     """The map that `compare` makes of the stacks of README."""
     for name, options in ("vertices", ()), ("pixels", ("--shading", "phong", "--renderer", "raster")):
@@ -118,7 +128,7 @@ def gpu(folder):
     save_shot(browser, folder, "gpu")
 
 
-OTHERS = {"room-checked": room_checked, "metamers": metamers, "difference": difference, "gpu": gpu}
+OTHERS = {"room-checked": room_checked, "metamers": metamers, "lights": lights, "difference": difference, "gpu": gpu}
 
 
 def plot_size(path):
