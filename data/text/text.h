@@ -241,8 +241,9 @@ struct option_list {
 
 struct command {
     const char *name;
-    const char *operands, *summary; /* for --help, which breaks the lines of the summary */
-    const char *example;            /* the words behind "spectral" */
+    const char *operands; /* for --help; begins with a capital letter where one is needed */
+    const char *summary;  /* for --help, which breaks its lines */
+    const char *example;  /* the words behind "spectral" */
     bool (*run)(struct options *options, struct error *err);
     struct option_list rows;              /* options of its own */
     const struct option_list *shared[16]; /* others, then NULL; common_options come behind */
@@ -289,17 +290,20 @@ struct options {
 bool options_read(const struct command *command, bool recorded, const char *const *words,
                   int n_words, struct options *out, struct error *err);
 void options_free(struct options *options);
-/* Refuses outputs that would replace another file of the command line, or a file that was read
- * until now, and those beside --output that cannot be opened. options_read has called it; a command
+/* Refuses outputs that would replace the file of another option, or a file that was read until now,
+ * and those beside --output that cannot be opened. options_read has called it; a command
  * that works long calls it again when its inputs are read. */
 bool options_check_outputs(const struct options *options, struct error *err);
+/* Refuses the operands: says why, names the word that this is about, and shows the usage. */
+bool options_misused(const struct command *command, const char *why, const char *word,
+                     struct error *err);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,
                     struct error *err);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
- * after "scene" where the path is "-". Refuses a name that the command line has, too. options_free
- * ends it. */
+ * after "scene" where the path is "-". Refuses the name of another option's file. options_free ends
+ * it. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
 /* Limits the memory of the command: see memory_limit. */

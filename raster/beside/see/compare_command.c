@@ -247,7 +247,7 @@ static bool run_compare(struct options *options, struct error *err)
     struct comparison comparison = {
         .options = options, .map = own->map, .other_detector = own->other};
     if (options->n_operands != 2)
-        return error_usage(err, "compare takes two stacks; see spectral compare --help");
+        return options_misused(options->command, "a stack is missing behind", a, err);
     const bool done = read_tolerance(tolerance, &comparison.tolerance, err) &&
                       scene_refuse(a, err) && scene_refuse(b, err) &&
                       (own->objects ? compare_objects(&comparison, err)
