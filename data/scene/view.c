@@ -268,13 +268,8 @@ static bool open_numbers(struct scene *scene, const char *option, const char *va
 
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
-    const bool range = strchr(value, ':'), list = strchr(value, ',');
+    const bool range = strchr(value, ':');
     struct text text;
-    if (!range && !list && value[strspn(value, "0123456789.")])
-        return error_usage(err,
-                           "--wavelengths takes START:END:STEP, as 400:700:10, or a list, as "
-                           "450,500.5, not '%.100s'",
-                           value);
     if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;
     scene->n_wavelengths = 0;
@@ -288,8 +283,6 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
-    if (!strchr(value, 'x'))
-        return error_usage(err, "--size takes WIDTHxHEIGHT, as 300x200, not '%.100s'", value);
     return open_numbers(scene, "--size", value, "x", &text, err) && size_read(&reader, err);
 }
 
@@ -302,8 +295,6 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
 
 bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)
 {
-    struct text text;
-    return option_open(scene, "--tessellation", value, &text, err) &&
-           text_number(&text, "factor", smallest_positive, HUGE_VAL, &scene->tessellation, err) &&
-           text_end(&text, "tessellation", err);
+    return option_number("--tessellation", value, smallest_positive, HUGE_VAL, &scene->tessellation,
+                         err);
 }

@@ -46,7 +46,7 @@ bool option_number(const char *option, const char *value, double lowest, double 
                    double *out, struct error *err)
 {
     const char *start = value + strspn(value, " ");
-    const struct word word = {.start = start, .length = strlen(start), .place = {option, 1, 1}};
+    const struct word word = {.start = start, .length = strlen(start), .place = VALUE_OF(option)};
     return word_number(&word, "value", lowest, highest, out, err);
 }
 
@@ -57,7 +57,8 @@ bool option_count(const char *option, const char *value, double lowest, double h
     if (!option_number(option, value, lowest, highest, &count, err))
         return false;
     *out = (int)count;
-    return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
+    return count == *out ||
+           error_at(err, VALUE_OF(option), "value must be a whole number, not '%s'", value);
 }
 
 /* ---- one option ---- */
@@ -151,11 +152,12 @@ static bool store_value(struct options *options, const struct option *option, co
                         const char *value, struct error *err)
 {
     char *at = (option->own ? (char *)options->own : (char *)options) + option->offset;
-    const struct word word = {.start = value, .length = value ? strlen(value) : 0};
+    const struct word word = {
+        .start = value, .length = value ? strlen(value) : 0, .place = VALUE_OF(name)};
     int chosen;
     switch (option->kind) {
     case OPTION_TEXT:
-        chosen = option->choices ? word_choose(&word, option->choices, name, err) : 0;
+        chosen = option->choices ? word_choose(&word, option->choices, "value", err) : 0;
         value = option->choices && chosen >= 0 ? option->choices[chosen] : value;
         memcpy(at, &value, sizeof value);
         return chosen >= 0 && (!option->accepts || option->accepts(name, value, err));
@@ -167,7 +169,9 @@ static bool store_value(struct options *options, const struct option *option, co
         *(bool *)at = true;
         return true;
     case OPTION_CHANGE:
-        break;
+        if (option->marks && !strpbrk(value, option->marks))
+            return error_at(err, VALUE_OF(name), "expected %s (%s), not '%.100s'",
+                            strchr(option->usage, ' ') + 1, option->help, value);
     }
     options->changes[options->n_changes++] = (struct option_change){option->change, value};
     return true;

@@ -218,6 +218,7 @@ struct option {
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
+    const char *marks; /* OPTION_CHANGE: the value has one of them; NULL: it may have none */
     const char *needs; /* it has an effect beside this option only, as "--objects"; NULL: always */
     bool writes;       /* OPTION_TEXT: the value names a file that the command writes */
     bool made_again;   /* OPTION_TEXT: the value names a file that --output may name, too */

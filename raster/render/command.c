@@ -207,7 +207,8 @@ static bool part_read(const char *value, struct picture_part *out, struct error 
         sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
         out->number >= 1 && out->number <= out->count)
         return true;
-    return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);
+    return error_at(err, VALUE_OF("--part"), "expected a part and their number, as 3/7, not '%s'",
+                    value);
 }
 
 /* A program without OpenGL draws by the reference where no renderer is given. */
