@@ -84,13 +84,11 @@ static bool refuse_picture(const char *scene, struct error *err)
     const char *format;
     if (!file_format(scene, &format, err))
         return false;
-    if (strcmp(format, "TIFF") == 0)
-        return error_usage(err,
-                           "%s is a TIFF file, not a scene; a stack is for develop, probe, "
-                           "compare, view and info",
-                           scene);
     return format[0] == '\0' || strcmp(format, "text") == 0 ||
-           error_usage(err, "%s is a %s file, not a scene", scene, format);
+           error_usage(err, "%s is a %s file, not a scene%s", scene, format,
+                       strcmp(format, "TIFF") == 0
+                           ? "; a stack is for develop, probe, compare, view and info"
+                           : "");
 }
 
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err)

@@ -91,21 +91,19 @@ struct suggestion {
     char known[LIST_SIZE], nearest[64], text[LIST_SIZE + 64];
     int distance; /* of the nearest one from the typed word */
 };
-/* Adds a known word, and compares it with the typed one. */
+/* Adds a known word, and compares it with the typed one. A word of other programs may stand for it.
+ */
 void suggestion_add(struct suggestion *suggestion, const struct word *typed, const char *known,
                     size_t length);
-/* Adds the scenes in the folder of a missing file, and the files that end as it does; none of them
- * if none is near. In names.c. */
-void suggestion_add_files(struct suggestion *suggestion, const char *path);
 /* Returns "did you mean NEAREST?" if a known word is near, or else the list behind the words
  * `otherwise`: "known are A, B". Valid as long as *suggestion. */
 const char *suggestion_end(struct suggestion *suggestion, const char *otherwise);
 
 /* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
 
-/* Returns the index of the word in `known`, which ends with NULL; ignores case where no word is the
- * same. Returns -1 for any other word, with an error that proposes the nearest known one. `what`
- * names the word in the message. */
+/* Returns the index of the word in `known`, which ends with NULL; ignores case. Returns -1 for any
+ * other word, with an error that proposes the nearest known one. `what` names the word in the
+ * message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
@@ -194,6 +192,8 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
 /* Finds it likewise; where it is missing, in the working folder, as the program of the thesis did.
  */
 bool word_file_or_here(const struct word *word, enum file_kind kind, char **out, struct error *err);
+/* Adds the files in the folder of a missing one that end as it does, or as those of its kind. */
+void suggestion_add_files(struct suggestion *suggestion, const char *path, enum file_kind kind);
 /* Refuses a missing file, and proposes a built-in one of this kind. The place names the file. */
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err);
 

@@ -8,8 +8,9 @@
 /* Refuses the name of a stack that ends like that of another format. */
 static bool check_stack_name(const char *path, struct error *err)
 {
-    static const char *const others[] = {".png", ".exr", ".jpg", ".jpeg", ".hdr", ".bmp",
-                                         ".gif", ".pfm", ".ppm", ".html", ".svg", NULL};
+    static const char *const others[] = {".png", ".exr", ".jpg",  ".jpeg", ".hdr", ".bmp",  ".gif",
+                                         ".pfm", ".ppm", ".html", ".svg",  ".hdf", ".hdf5", ".h5",
+                                         ".nc",  ".npy", ".mat",  ".csv",  NULL};
     struct error unknown = {0};
     int other;
     return !path || !path_ending(path, others, &other, &unknown) || other < 0 ||
