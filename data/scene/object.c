@@ -56,7 +56,7 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
         next = matrix_scaling(by);
     } else if (option == OBJECT_ROTATE) {
         if (!text_number(text, "angle", -HUGE_VAL, HUGE_VAL, &angle, err) ||
-            !text_direction(text, "axis", &by, err))
+            !text_direction(text, "axis (ANGLE X Y Z)", &by, err))
             return false;
         next = matrix_rotation(angle, by);
     } else {
@@ -204,7 +204,7 @@ bool background_read(struct scene_reader *reader, struct error *err)
                                   .place = reader->place};
     struct material material;
     const bool good = material_read_emission(reader->text, &material, err) &&
-                      text_end(reader->text, "background", err);
+                      text_end(reader->text, "background SPECTRUM INTENSITY", err);
     return material_keep(scene, &material, good, err) && add_object(scene, &object, err);
 }
 
