@@ -22,10 +22,14 @@ static const char scene_operand[] =
 static bool print_usage(struct error *err)
 {
     struct printed printed = {.text = NULL}, *to = &printed;
-    print_text(
-        to, "usage: spectral COMMAND [SCENE] [OPTIONS]\n\n"
-            "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
-            "pixel of every wavelength against its own rasterizer, and writes a TIFF stack.\n\n");
+    print(to,
+          "usage: spectral COMMAND [SCENE] [OPTIONS]\n\n"
+          "Renders a 3D scene wavelength by wavelength %s\n\n",
+          drawing_ways.library
+              ? "through OpenGL, cross-checks every\n"
+                "pixel of every wavelength against its own rasterizer, and writes a TIFF stack."
+              : "by its own rasterizer, and writes a\n"
+                "TIFF stack. This program was built without OpenGL, and cross-checks nothing.");
     for (int i = 0; commands[i]; i++)
         print(to, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
     print(to, "\n%s\n", scene_operand);
@@ -52,16 +56,13 @@ static bool print_command_usage(const struct command *command, struct error *err
 static bool greet(struct error *err)
 {
     struct printed printed = {.text = NULL};
+    print(&printed, "spectral renders 3D scenes wavelength by wavelength%s.\n\n",
+          drawing_ways.library ? ", and checks every pixel" : " by its own rasterizer");
+    for (int i = 0; commands[i]; i++)
+        if (commands[i]->first)
+            print(&printed, "  spectral %-27s  %s\n", commands[i]->example, commands[i]->first);
     print_text(&printed,
-               "spectral renders 3D scenes wavelength by wavelength, and checks every pixel.\n"
-               "\n"
-               "  spectral render colorchecker          writes the stack colorchecker.tif\n"
-               "  spectral develop colorchecker.tif     writes the picture that a person sees\n"
-               "  spectral probe colorchecker 100 100   prints the spectrum of a pixel\n"
-               "  spectral view fluorescence            writes a page for the browser\n"
-               "  spectral show spheres -o my.scene     copies a scene, to change it\n"
-               "\n"
-               "spectral list prints what is built in. spectral COMMAND --help explains a\n"
+               "\nspectral list prints what is built in. spectral COMMAND --help explains a\n"
                "command, spectral --help all of them, man spectral the scene language.\n");
     if (printed_show(&printed, STDOUT_FILENO, err))
         err->status = EXIT_INPUT;

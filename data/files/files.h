@@ -99,7 +99,9 @@ bool digest_file(const char *path, char out[65], struct error *err);
  * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
 struct output {
     int descriptor;
-    char *path;           /* final name, links resolved */
+    char *path; /* final name, links resolved */
+    const char
+        *holder; /* what a failed write names: path, or the folder of the file to be copied */
     char temporary[4096]; /* the path under which this process can read the file before it has its
                              final name; "": no file is open. Linux takes no longer one */
     bool named;           /* the temporary name stands in the folder, and must be removed */

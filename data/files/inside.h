@@ -15,6 +15,9 @@ void folder_sync(const char *path);
  * errno.
  */
 bool temporary_create(struct output *out, const char *path, mode_t mode);
+/* Likewise with a file in memory, which can only be copied. Returns false, with errno as it
+ * was, where the system has none. */
+bool temporary_in_memory(struct output *out);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */
 bool temporary_name(struct output *out, const char *path);
 void temporary_remove(struct output *out); /* its name; the descriptor stays open */

@@ -20,18 +20,22 @@ static bool write_fault(struct error *err, const char *path)
 }
 
 /* Opens a device, a pipe or standard output: its temporary file is created in the folder for
- * temporary files. */
+ * temporary files, or in memory where that folder takes none. */
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
     const char *folder = temporary_folder();
     char beside[PATH_MAX];
     snprintf(beside, sizeof beside, "%s/spectral", folder);
     out->copied = true;
+    out->holder = folder;
     out->path = strdup(path);
     return out->path == NULL
                ? memory_lacks(err, (double)strlen(path), "the name %s", path)
-               : temporary_create(out, beside, 0600) ||
-                     error_system(err, "cannot create a temporary file in %s", folder);
+               : temporary_create(out, beside, 0600) || temporary_in_memory(out) ||
+                     error_system(err,
+                                  "cannot create a temporary file in %s; set TMPDIR to a folder "
+                                  "that takes files",
+                                  folder);
 }
 
 /* Opens a regular file, or a name that is free (`existing` is NULL). Sets the mode of the replaced
@@ -41,6 +45,7 @@ static bool open_beside(struct output *out, const char *path, const struct stat 
 {
     const mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
     out->path = existing != NULL ? realpath(path, NULL) : strdup(path);
+    out->holder = out->path;
     return (out->path != NULL && temporary_create(out, out->path, mode) &&
             (existing == NULL || fchmod(out->descriptor, mode) == 0)) ||
            write_fault(err, path);
@@ -234,8 +239,9 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
                error_system(err, "cannot write to standard output");
     if (!output_open(&output, path, err))
         return false;
-    const bool done = (write_all(output.descriptor, bytes, length) || write_fault(err, path)) &&
-                      output_pass(&output, outputs, err);
+    const bool done =
+        (write_all(output.descriptor, bytes, length) || write_fault(err, output.holder)) &&
+        output_pass(&output, outputs, err);
     output_discard(&output);
     return done;
 }

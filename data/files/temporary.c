@@ -2,9 +2,12 @@
 /* Files and folders that are being written, and their room on the disk. Linux keeps a file without
  * a name (O_TMPFILE), which vanishes with its process. On a file system that cannot, the file has a
  * temporary name, which is removed when the process ends, unless the process is killed. */
-#define _GNU_SOURCE /* O_TMPFILE, fallocate */
+#define _GNU_SOURCE /* O_TMPFILE, fallocate, memfd_create */
 #include <fcntl.h>
 #include <libgen.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -88,6 +91,16 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
     return done;
 }
 
+bool temporary_in_memory(struct output *out)
+{
+#ifdef MFD_CLOEXEC
+    const int cause = errno;
+    out->descriptor = memfd_create("spectral", MFD_CLOEXEC);
+    errno = cause;
+#endif
+    return out->descriptor >= 0;
+}
+
 bool temporary_name(struct output *out, const char *path)
 {
     if (!out->named && link_nameless(out->descriptor, path))
@@ -162,7 +175,7 @@ bool folder_open(struct folder *out, struct error *err)
     guard_hold();
     const bool done = make(parent, "spectral.", out) && guard_remove(out->path);
     if (!done) {
-        error_system(err, "cannot make a temporary folder in %s", parent);
+        error_system(err, "cannot make a temporary folder in %s; set TMPDIR to another", parent);
         folder_close(out);
     }
     guard_release();

@@ -49,7 +49,7 @@ static bool put(const struct pages *pages, const void *bytes, size_t length, uin
                 struct error *err)
 {
     return write_at(pages->output.descriptor, bytes, length, offset) ||
-           error_system(err, "%s: cannot be written", pages->output.path);
+           error_system(err, "%s: cannot be written", pages->output.holder);
 }
 
 /* Writes samples with the lowest byte first, as all files have them. size: bytes of a sample. */
@@ -78,7 +78,7 @@ static bool close_tiff(TIFF *tiff, const struct client *client, bool good, struc
         TIFFClose(tiff);
     if (client->failed != NULL) {
         errno = client->cause;
-        return error_system(err, "%s: %s", path, client->failed);
+        return error_system(err, "%s: %s", client->pages->output.holder, client->failed);
     }
     if (client->message[0] != '\0')
         return error_failed(err, "%s: libtiff: %s", path, client->message);
@@ -167,7 +167,7 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     int resized;
     UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));
     if (resized != 0 || (fits && !output_reserve(&pages->output, end)))
-        return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.path, end);
+        return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.holder, end);
     pages->big = pages->big || end > UINT32_MAX;
     return fits || lay_out(pages, set_tags, of, err);
 }

@@ -33,7 +33,7 @@ static bool put_bytes(struct png *png, const void *bytes, size_t length, struct 
         return true; /* printed_take reports a lack of memory */
     }
     return write_all(png->output->descriptor, bytes, length) ||
-           error_system(err, "%s: cannot be written", png->output->path);
+           error_system(err, "%s: cannot be written", png->output->holder);
 }
 
 /* Writes a chunk of fewer than 2^31 bytes. */

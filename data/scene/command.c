@@ -91,6 +91,8 @@ static bool print_list(const struct list *list, struct printed *to, struct error
     qsort(names, n, sizeof *names, compare_names);
     for (size_t i = 0; i < n; i++)
         print(to, "  %s\n", names[i]);
+    if (n == 0 && !list->print)
+        print_text(to, "  none in this program\n");
     free(names);
     if (list->print)
         list->print(to);
@@ -197,7 +199,8 @@ const struct command show_command = {
     .name = "show",
     .operands = "NAME [-o FILE]",
     .summary = "print a built-in file, to start one of your own with",
-    .example = "show room -o my.scene",
+    .example = "show patches -o my.scene",
+    .first = "copies a scene, to change it",
     .run = show_file,
     .rows = OPTION_LIST(show_options),
     .n_operands = 1,

@@ -244,7 +244,9 @@ struct command {
     const char *name;
     const char *operands; /* for --help; begins with a capital letter where one is needed */
     const char *summary;  /* for --help, which breaks its lines */
-    const char *example;  /* the words behind "spectral" */
+    const char *example;  /* the words behind "spectral", of scenes that all programs have */
+    const char *first; /* what the example does, for the answer to the program's name alone; NULL:
+                          this is no command to begin with */
     bool (*run)(struct options *options, struct error *err);
     struct option_list rows;              /* options of its own */
     const struct option_list *shared[16]; /* others, then NULL; common_options come behind */

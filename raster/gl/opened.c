@@ -319,7 +319,7 @@ bool gl_library(char *out, size_t capacity)
         snprintf(out, capacity, "%s %s (%s)", is.names.library, is.names.version,
                  is.names.renderer);
     else
-        snprintf(out, capacity, "OpenGL cannot draw: spectral drivers prints why");
+        snprintf(out, capacity, "OpenGL cannot draw: %s", error_words(&err));
     return done;
 }
 

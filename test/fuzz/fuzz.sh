@@ -95,7 +95,7 @@ make_seeds() {
     need python3-tifffile
     /usr/bin/python3 test/fuzz/fuzz_seeds.py "$made.new"
     # the examples of the program's commands, and of the pages
-    sed -n 's/^ *"\([a-z]* .*\)", command_.*/\1/p' spectral.c >"$made.new/lines"
+    grep -rhE '[.]example = ' data raster | cut -d '"' -f 2 >"$made.new/lines"
     grep -hoE '^spectral [^|>]*' README.md data/doc/*.md | cut -d ' ' -f 2- | sort -u >>"$made.new/lines"
     number=0
     while read -r line; do

@@ -42,7 +42,10 @@ small="--size 40x30 --wavelengths 400:700:50"
         [ $? = 3 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ -z "$(ls -A "$tmp/limited")" ]
         ok $? "${command%% *}: a limit on the size of files is a failure of the system, and leaves no file"
     done
-    exits 3 "a device's copy needs the folder TMPDIR" env TMPDIR="$tmp/none" "$SPECTRAL" show d65 -o /dev/null
+    # shellcheck disable=SC3045
+    (ulimit -S -f 4 && TMPDIR=$tmp/limited "$SPECTRAL" develop "$tmp/c.tif" -o -) >"$tmp/out" 2>"$tmp/err"
+    says "error: $tmp/limited: cannot hold [0-9]+ bytes: File too large" "a folder that cannot hold a pipe's copy is named"
+    exits 0 "a device's copy needs no folder that takes files" env TMPDIR="$tmp/none" "$SPECTRAL" show d65 -o /dev/null
     exits 0 "a long name gets a temporary file" "$SPECTRAL" show d65 -o "$tmp/$(printf %0250d 0)"
     exits 3 "JSON to a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full

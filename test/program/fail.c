@@ -97,6 +97,7 @@ static const struct call {
     {"affinity", SYS_sched_getaffinity, EINVAL, 0},
     {"random", SYS_getrandom, ENOSYS, INTERRUPTIBLE},
     {"socket", SYS_socket, EMFILE, 0},
+    {"memfd", SYS_memfd_create, ENOSYS, 0},
 #ifdef SYS_open
     {"open", SYS_open, EMFILE, INTERRUPTIBLE},
     {"stat", SYS_stat, EIO, 0},

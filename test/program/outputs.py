@@ -3,7 +3,8 @@
 # level: first; packages: python3-numpy python3-tifffile; makes: command_table
 """Gives each command all its options that write, alone, in pairs and together, and each of them in the forms of a file, standard
 output by both names, a folder and a pipe with a name. An output is written, whole and alone, or refused in one line, and then nothing
-is written. The table of options is the program's own."""
+is written. Standard output by the name "-" needs no folder that takes files, but for a command that keeps pictures in one. The table
+of options is the program's own."""
 import concurrent.futures
 import itertools
 import json
@@ -63,7 +64,8 @@ def fault_of(command, words, options, forms):
     line = [command, *(os.path.abspath(path_of(word)) if os.path.exists(path_of(word)) else word for word in words)]
     for option, (value, _) in zip(options, named):
         line += [option["names"][-1], value]
-    result = run(*line, text=False, cwd=folder)  # where outputs without a name appear
+    none = {"TMPDIR": "/dev/null/none"} if "-" in forms and command not in SLOW else {}
+    result = run(*line, text=False, cwd=folder, **none)  # where outputs without a name appear
     says = result.stderr.decode(errors="replace")
     for reader in readers:
         if result.returncode not in (0, 1):

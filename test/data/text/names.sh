@@ -99,8 +99,8 @@ run "$SPECTRAL" probe "$tmp/built-in.scene" 600 400
 ok $? "a file comes before a built-in name that differs in case"
 
 run "$SPECTRAL"
-[ "$status" = 2 ] && [ ! -s "$tmp/err" ] && [ "$(wc -l <"$tmp/out")" = 10 ]
-ok $? "the program's name alone prints ten lines"
+[ "$status" = 2 ] && [ ! -s "$tmp/err" ] && [ "$(wc -l <"$tmp/out")" = 11 ]
+ok $? "the program's name alone prints eleven lines"
 for command in $(sed -n 's/^  spectral \([a-z]*\) .*/\1/p' "$tmp/out"); do
     exits 0 "spectral $command --help prints the help of the command" "$SPECTRAL" "$command" --help
     prints "^usage: spectral $command " "it begins with the usage"
