@@ -110,11 +110,17 @@ static const struct command *find_command(const char *name, struct error *err)
 {
     const struct word typed = {.start = name, .length = strlen(name)};
     struct suggestion suggestion = {.distance = 0};
+    bool missing;
     for (int i = 0; commands[i]; i++) {
         if (strcasecmp(name, commands[i]->name) == 0)
             return commands[i];
         suggestion_add(&suggestion, &typed, commands[i]->name, strlen(commands[i]->name));
     }
+    if (scene_is_missing(name, &missing, err) && !missing)
+        error_usage(err,
+                    "'%s' is no command; expected one before it: spectral render SCENE, "
+                    "spectral info STACK, ...",
+                    name);
     error_usage(err, "unknown command '%s'; %s", name, suggestion_end(&suggestion, "known are"));
     return NULL;
 }

@@ -105,6 +105,7 @@ enum error_kind {
 bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
     PRINTF_LIKE(4, 5);
 #define NOWHERE ((struct place){NULL, 0, 0})
+#define VALUE_OF(option) ((struct place){(option), 1, 1}) /* of the command line */
 #define error_at(err, ...) error_of(err, ERROR_INPUT, __VA_ARGS__)
 #define error_usage(err, ...) error_of(err, ERROR_INPUT, NOWHERE, __VA_ARGS__)
 #define error_different(err, ...) error_of(err, ERROR_DIFFERENT, NOWHERE, __VA_ARGS__)

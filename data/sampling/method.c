@@ -64,11 +64,11 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
     *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
     const bool bare = kind == SAMPLING_RGB || kind == SAMPLING_XYZ;
     if (kind == KINDS || (bare ? text[length] != '\0' : word.length == 0))
-        return error_usage(
-            err,
-            "%s is box:N, riemann:STEP, gauss:N, gauss:N,open, gauss:N,xyz, gauss:N,lms,"
+        return error_at(
+            err, VALUE_OF(option),
+            "expected box:N, riemann:STEP, gauss:N, gauss:N,open, gauss:N,xyz, gauss:N,lms,"
             " gauss:N,acc, adaptive:TOLERANCE, basis:K, rgb or xyz, not '%.100s'",
-            option, text);
+            text);
     return bare || read_number(&word, out, err);
 }
 

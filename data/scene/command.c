@@ -147,53 +147,39 @@ static bool run_list(struct options *options, struct error *err)
 
 /* ---- spectral show ---- */
 
-/* Refuses a name that is not built in, and proposes one that is. */
-static bool refuse_shown(const struct word *typed, struct error *err)
+/* Finds the built-in file of that name or path, of the first kind that has it; NULL: there is none,
+ * and the error proposes one. */
+static const struct builtin_file *find_shown(const char *name, struct error *err)
 {
+    const char *path = name + (path_is_builtin(name) ? strlen(BUILTIN_PREFIX) : 0);
+    const struct word typed = {.start = name, .length = strlen(name)};
     struct suggestion suggestion = {.distance = 0};
-    char name[BUILTIN_NAME];
-    for (size_t i = 0; i < builtin_file_count; i++)
-        for (enum file_kind kind = 0; kind < FILE_KINDS; kind++)
-            if (builtin_is(&builtin_files[i], kind, name))
-                suggestion_add(&suggestion, typed, name, strlen(name));
+    char known[BUILTIN_NAME];
+    for (enum file_kind kind = 0; kind < FILE_KINDS; kind++)
+        for (size_t i = 0; i < builtin_file_count; i++) {
+            if (!builtin_is(&builtin_files[i], kind, known))
+                continue;
+            if (strcasecmp(name, known) == 0 || strcmp(path, builtin_files[i].name) == 0)
+                return &builtin_files[i];
+            suggestion_add(&suggestion, &typed, known, strlen(known));
+        }
     suggestion.known[0] = '\0'; /* a list of them all is too long */
-    return error_usage(err, "no built-in file '%.*s'; %s", word_shown(typed), typed->start,
-                       suggestion_end(&suggestion, "spectral list prints the names"));
-}
-
-/* Finds the built-in file of that name, of the first kind that has it. *out is its path, allocated.
- */
-static bool find_shown(const char *name, char **out, struct error *err)
-{
-    const struct word word = {.start = name, .length = strlen(name)};
-    bool done = word.length > 0 || error_usage(err, "show takes the NAME of a built-in file");
-    *out = NULL;
-    for (enum file_kind kind = 0; done && kind < FILE_KINDS; kind++) {
-        free(*out);
-        done = word_file(&word, kind, out, err);
-        if (done && path_is_builtin(*out))
-            return true;
-    }
-    return done && refuse_shown(&word, err);
+    error_usage(err, "no built-in file '%.40s'; %s", name,
+                suggestion_end(&suggestion, "spectral list prints the names"));
+    return NULL;
 }
 
 bool show_file(struct options *options, struct error *err)
 {
     const char *output = options->output ? options->output : "-";
-    const struct builtin_file *file;
-    int descriptor;
-    char *path = NULL;
-    bool done = (options->n_operands < 2 ||
-                 error_usage(err, "show prints one file; add --csv or --svg for curves")) &&
-                find_shown(options->operand ? options->operand : "", &path, err) &&
-                file_open(path, NOWHERE, &descriptor, &file, err);
-    if (done && isatty(STDOUT_FILENO) && output_is_standard(output) &&
+    if (options->n_operands > 1)
+        return error_usage(err, "show prints one file; add --csv or --svg for curves");
+    const struct builtin_file *file = find_shown(options->operand, err);
+    if (file && isatty(STDOUT_FILENO) && output_is_standard(output) &&
         memchr(file->bytes, '\0', file->length))
-        done = error_usage(err, "%s is no text; add -o FILE", options->operand);
-    done =
-        done && file_write(output, (const char *)file->bytes, file->length, &options->outputs, err);
-    free(path);
-    return done;
+        return error_usage(err, "%s is no text; add -o FILE", options->operand);
+    return file &&
+           file_write(output, (const char *)file->bytes, file->length, &options->outputs, err);
 }
 
 const struct command list_command = {

@@ -320,6 +320,10 @@ bool material_read_words(struct text *text, struct material *out, struct error *
         if (!block_word(text, &word, out->place, err) ||
             !check_closed(text, &word, out->place, err))
             return false;
+        if (word_begins_number(&word) && given[kind].line > 0)
+            return error_at(err, word.place, "'%.*s' is too much: %s takes one %s, and no RGB",
+                            word_shown(&word), word.start, block_words[kind],
+                            strchr(block_values[kind], ' ') + 1);
         kind = word_choose_once(&word, block_words, "word in a material", given, err);
         if (kind < 0 || !block_entry(text, kind, out, err))
             return false;

@@ -45,8 +45,21 @@ static const char *const option_words[] = {
     "material", "materials", "scale",    "rotate",  "translate", "two-sided", "casts",
     "planar",   "repeat",    "displace", "unitize", "crease",    NULL};
 
-static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
+/* ---- objects ---- */
+
+/* An object as its statement describes it. */
+struct description {
+    struct object object;
+    struct place given[OBJECT_OPTIONS]; /* of options that may be given once; of a doubted rotate */
+    bool listed;                        /* a list gives the materials */
+};
+
+/* X Y Z ANGLE, as other programs order them, is a turn by 1 degree at most about a long axis. */
+static bool read_transform(struct text *text, int option, struct description *out,
+                           struct error *err)
 {
+    struct matrix *transform = &out->object.transform;
+    const struct place first = text_next_place(*text);
     struct matrix next;
     struct vector by;
     double angle;
@@ -56,26 +69,19 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
         next = matrix_scaling(by);
     } else if (option == OBJECT_ROTATE) {
         if (!text_number(text, "angle", -HUGE_VAL, HUGE_VAL, &angle, err) ||
-            !text_direction(text, "axis", &by, err))
+            !text_direction(text, "axis (ANGLE X Y Z)", &by, err))
             return false;
+        if (fabs(angle) <= 1 && fabs(by.x) <= 1 && fabs(by.z) > 1)
+            out->given[OBJECT_ROTATE] = first;
         next = matrix_rotation(angle, by);
     } else {
         if (!text_vector(text, "translation", &by, err))
             return false;
         next = matrix_translation(by);
     }
-    *out = matrix_product(next, *out);
+    *transform = matrix_product(next, *transform);
     return true;
 }
-
-/* ---- objects ---- */
-
-/* An object as its statement describes it. */
-struct description {
-    struct object object;
-    struct place given[OBJECT_OPTIONS]; /* of the options that may be given only once */
-    bool listed;                        /* a list gives the materials */
-};
 
 static bool read_material(struct text *text, struct place place, bool map, struct description *out,
                           struct error *err)
@@ -117,7 +123,7 @@ static bool read_option(struct text *text, const struct word *word, struct descr
     if (option <= OBJECT_MATERIALS)
         return read_material(text, word->place, option == OBJECT_MATERIALS, out, err);
     if (option <= OBJECT_TRANSLATE)
-        return read_transform(text, option, &out->object.transform, err);
+        return read_transform(text, option, out, err);
     if (option >= OBJECT_UNITIZE && shape->kind != SHAPE_MESH)
         return error_at(err, word->place, "%s is for a mesh, not for a %s", option_words[option],
                         shape_name(shape->kind));
@@ -152,6 +158,8 @@ static bool read_description(struct scene_reader *reader, struct description *ou
     while (text_word(reader->text, &word))
         if (!read_option(reader->text, &word, out, err))
             return false;
+    if (out->given[OBJECT_ROTATE].line > 0)
+        reader->scene->doubted_turn = out->given[OBJECT_ROTATE];
     return out->listed || out->given[OBJECT_MATERIAL].line > 0 ||
            out->object.shape.kind == SHAPE_MESH ||
            error_at(err, reader->place,
@@ -204,7 +212,7 @@ bool background_read(struct scene_reader *reader, struct error *err)
                                   .place = reader->place};
     struct material material;
     const bool good = material_read_emission(reader->text, &material, err) &&
-                      text_end(reader->text, "background", err);
+                      text_end(reader->text, "background SPECTRUM INTENSITY", err);
     return material_keep(scene, &material, good, err) && add_object(scene, &object, err);
 }
 

@@ -115,8 +115,9 @@ struct scene {
     struct camera camera;
     bool local_viewer;
     enum shading_kind shading;
-    int positions;       /* a pixel is the mean of positions x positions: a power of two */
-    double tessellation; /* factor of all slices, stacks, ... of built-in shapes, above 0 */
+    int positions;             /* a pixel is the mean of positions x positions: a power of two */
+    double tessellation;       /* factor of all slices, stacks, ... of built-in shapes, above 0 */
+    struct place doubted_turn; /* may be meant as X Y Z ANGLE; line 0: there is none */
     struct place wavelengths_place;
     struct light *ambients, *lights;
     struct material *materials; /* read if an object uses them; others have only name and path */

@@ -43,28 +43,21 @@ static bool set_shape(struct scene *scene, const char *value, struct error *err)
 
 static bool set_samples(struct scene *scene, const char *value, struct error *err)
 {
-    struct text text;
-    long positions;
-    if (!option_open(scene, "--samples", value, &text, err) ||
-        !text_integer(&text, "number of positions", 1, MOST_POSITIONS, &positions, err))
-        return false;
-    if ((positions & (positions - 1)) != 0)
-        return error_usage(err,
-                           "--samples takes 1, 2, 4, 8 or 16 positions a side of each pixel, "
-                           "not %ld",
-                           positions);
-    scene->positions = (int)positions;
-    return text_end(&text, "samples", err);
+    int *positions = &scene->positions;
+    return option_count("--samples", value, 1, MOST_POSITIONS, positions, err) &&
+           ((*positions & (*positions - 1)) == 0 ||
+            error_at(err, VALUE_OF("--samples"), "expected 1, 2, 4, 8 or 16, not %d", *positions));
 }
 
 /* ---- the options ---- */
 
 static const struct option changes[] = {
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
-     CHANGES(scene_set_wavelengths), .recorded = true},
-    {"--size WxH", "width and height in pixels", CHANGES(scene_set_size), .recorded = true},
+     CHANGES(scene_set_wavelengths), .marks = ":,0123456789", .recorded = true},
+    {"--size WxH", "width and height in pixels, as 300x200", CHANGES(scene_set_size), .marks = "x",
+     .recorded = true},
     {"--light N=SPECTRUM[*INTENSITY]", "replaces the spectrum of light N (from 1); may be repeated",
-     CHANGES(scene_set_light), .recorded = true},
+     CHANGES(scene_set_light), .marks = "=", .recorded = true},
     {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", CHANGES(scene_set_ambient),
      .recorded = true},
     {"--shadows", "objects throw shadows in the light of all lights", CHANGES(set_shadows),
@@ -91,13 +84,11 @@ static bool refuse_picture(const char *scene, struct error *err)
     const char *format;
     if (!file_format(scene, &format, err))
         return false;
-    if (strcmp(format, "TIFF") == 0)
-        return error_usage(err,
-                           "%s is a TIFF file, not a scene; a stack is for develop, probe, "
-                           "compare, view and info",
-                           scene);
     return format[0] == '\0' || strcmp(format, "text") == 0 ||
-           error_usage(err, "%s is a %s file, not a scene", scene, format);
+           error_usage(err, "%s is a %s file, not a scene%s", scene, format,
+                       strcmp(format, "TIFF") == 0
+                           ? "; a stack is for develop, probe, compare, view and info"
+                           : "");
 }
 
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err)

@@ -48,18 +48,18 @@ static bool add_range(struct scene *scene, const double range[3], struct place p
 
 static bool read_range(struct scene *scene, struct text *text, struct error *err)
 {
+    static const char *const names[] = {"START", "END", "STEP"};
     double range[3];
-    struct word end, step;
-    if (!text_number(text, "first wavelength", smallest_positive, longest_nm, &range[0], err) ||
-        !text_expect(text, &end, "a last wavelength", err) ||
-        !word_number(&end, "last wavelength", smallest_positive, longest_nm, &range[1], err) ||
-        !text_expect(text, &step, "a step", err) ||
-        !word_number(&step, "step", smallest_positive, HUGE_VAL, &range[2], err))
-        return false;
+    struct word word[3];
+    for (int i = 0; i < 3; i++)
+        if (!text_expect(text, &word[i], names[i], err) ||
+            !word_number(&word[i], names[i], smallest_positive, i < 2 ? longest_nm : HUGE_VAL,
+                         &range[i], err))
+            return false;
     if (range[1] < range[0])
-        return error_at(err, end.place, "the last wavelength %.15g is below the first, %.15g",
+        return error_at(err, word[1].place, "END %.15g is below START %.15g; write START END STEP",
                         range[1], range[0]);
-    return add_range(scene, range, step.place, err);
+    return add_range(scene, range, word[2].place, err);
 }
 
 static bool read_wavelength_list(struct scene *scene, struct text *text, struct error *err)
@@ -81,9 +81,8 @@ static bool check_unit(const struct scene *scene, struct error *err)
     const double last_nm = scene->wavelengths_nm[scene->n_wavelengths - 1];
     return last_nm >= 10 ||
            error_at(err, scene->wavelengths_place,
-                    "wavelengths up to %.15g nm; expected nm: multiply micrometres "
-                    "by 1000",
-                    last_nm);
+                    "wavelengths up to %.15g nm; expected nm: multiply %s", last_nm,
+                    last_nm < 1e-3 ? "metres by 1e9" : "micrometres by 1000");
 }
 
 bool wavelengths_read(struct scene_reader *reader, struct error *err)
@@ -105,6 +104,13 @@ bool wavelengths_read(struct scene_reader *reader, struct error *err)
 bool size_read(struct scene_reader *reader, struct error *err)
 {
     long width, height;
+    struct word word;
+    int length = 0;
+    if (text_peek(*reader->text, &word) &&
+        sscanf(word.start, "%6ldx%6ld%n", &width, &height, &length) == 2 &&
+        length == (int)word.length)
+        return error_at(err, word.place, "'%.*s' is written as behind --size; write size %ld %ld",
+                        length, word.start, width, height);
     if (!text_integer(reader->text, "width", 1, LONGEST_SIDE, &width, err) ||
         !text_integer(reader->text, "height", 1, LONGEST_SIDE, &height, err))
         return false;
@@ -268,13 +274,8 @@ static bool open_numbers(struct scene *scene, const char *option, const char *va
 
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
-    const bool range = strchr(value, ':'), list = strchr(value, ',');
+    const bool range = strchr(value, ':');
     struct text text;
-    if (!range && !list && value[strspn(value, "0123456789.")])
-        return error_usage(err,
-                           "--wavelengths takes START:END:STEP, as 400:700:10, or a list, as "
-                           "450,500.5, not '%.100s'",
-                           value);
     if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;
     scene->n_wavelengths = 0;
@@ -288,8 +289,6 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
-    if (!strchr(value, 'x'))
-        return error_usage(err, "--size takes WIDTHxHEIGHT, as 300x200, not '%.100s'", value);
     return open_numbers(scene, "--size", value, "x", &text, err) && size_read(&reader, err);
 }
 
@@ -302,8 +301,6 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
 
 bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)
 {
-    struct text text;
-    return option_open(scene, "--tessellation", value, &text, err) &&
-           text_number(&text, "factor", smallest_positive, HUGE_VAL, &scene->tessellation, err) &&
-           text_end(&text, "tessellation", err);
+    return option_number("--tessellation", value, smallest_positive, HUGE_VAL, &scene->tessellation,
+                         err);
 }

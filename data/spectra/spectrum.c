@@ -229,28 +229,21 @@ static bool split(const struct word *word, char mark, struct word *before, struc
     return true;
 }
 
-/* Finds whether a word names a built-in table or a file that exists. Fails for lack of memory. */
-static bool find_file(const struct word *word, bool *out, struct error *err)
-{
-    char *path = NULL;
-    const bool done = word->length == 0 || word_file(word, FILE_TABLE, &path, err);
-    *out = path && !file_is_missing(path);
-    free(path);
-    return done;
-}
-
-/* Reads NAME or FILE, with :COLUMN or without: the number or the name of a column or a sample. */
+/* Reads NAME or FILE; behind it may be :COLUMN, the number of a column or a sample, or, where no
+ * file has the whole name, its name. */
 static bool read_named(const struct word *word, struct wanted *wanted, struct spectrum *out,
                        struct error *err)
 {
     struct word before, sample;
+    char *path = NULL;
     wanted->table = *word;
+    if (!word_file(word, FILE_TABLE, &path, err))
+        return false;
+    const bool missing = file_is_missing(path);
+    free(path);
     if (split(word, ':', &before, &sample) && sample.length > 0) {
         const bool number = strspn(sample.start, "0123456789") >= sample.length;
-        bool is_whole, is_table;
-        if (!find_file(word, &is_whole, err) || !find_file(&before, &is_table, err))
-            return false;
-        if (number || (!is_whole && is_table)) {
+        if (number || missing) {
             wanted->table.length = before.length;
             wanted->sample = sample;
         }
@@ -329,8 +322,6 @@ bool spectrum_read(const struct word *word, double lowest, double highest, struc
     struct word unscaled = *word, before, number;
     bool done = true;
     *out = (struct spectrum){0};
-    if (word->quoted && word->start[word->length] != '"')
-        return error_at(err, word->place, "a quote must be closed on its line");
     if (split(word, '*', &before, &number)) {
         unscaled.length = before.length;
         wanted.scaled = true;

@@ -360,17 +360,33 @@ bool table_is_detector(const struct builtin_file *file)
             strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
 }
 
+/* Refuses a number, a temperature or a factor that is written in another way. */
+static bool check_writing(const struct word *word, struct error *err)
+{
+    const int length = (int)word->length, mark = (int)strcspn(word->start, ":, "), next = mark + 1;
+    const int digits = (int)strspn(word->start, "0123456789.");
+    double value;
+    if (digits > 0 && digits + 1 == length && strchr("kK", word->start[digits]))
+        return error_at(err, word->place, "for a temperature write daylight:%.*s or blackbody:%.*s",
+                        digits, word->start, digits, word->start);
+    if (word_is_numeric(word, "0123456789+-.,%"))
+        return word_number(word, "spectrum", 0, HUGE_VAL, &value, err);
+    return next >= length || word->start[mark] == ':' ||
+           (int)strspn(word->start + next, "0123456789.") < length - next ||
+           error_at(err, word->place, "a factor stands behind a *: %.*s*%.*s", mark, word->start,
+                    length - next, word->start + next);
+}
+
 static bool refuse_unknown(const struct wanted *wanted, const char *path, struct error *err)
 {
     const bool detector = wanted->count == 0;
     const struct word *word = &wanted->table;
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME];
-    if (word_equals(word, "daylight") || word_equals(word, "blackbody"))
-        return error_at(err, word->place, "%.*s needs a temperature in K, as %.*s:6504",
-                        word_shown(word), word->start, word_shown(word), word->start);
-    suggestion_add_files(&suggestion, path);
-    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
+    if (!detector && !check_writing(word, err))
+        return false;
+    suggestion_add_files(&suggestion, path, FILE_TABLE);
+    for (size_t i = 0; i < builtin_file_count; i++)
         if (builtin_is(&builtin_files[i], FILE_TABLE, known) &&
             table_is_detector(&builtin_files[i]) == detector && !strchr(known, '/'))
             suggestion_add(&suggestion, word, known, strlen(known));

@@ -77,8 +77,6 @@ static bool run_info(struct options *options, struct error *err)
     struct json json;
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
-    if (!options->operand)
-        return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
                 image_open(options->operand, NOWHERE, tags_read, &image, err);
     const bool foreign = done && !record_is_there(&image);

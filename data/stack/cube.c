@@ -46,7 +46,7 @@ bool cube_or_raw_open(const char *path, struct cube *out, struct error *err)
                "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
                " names such as \"305 nm\"",
-               path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
+               path, image->coloured ? "its pages are RGB (a picture)" : image->no_wavelengths);
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)

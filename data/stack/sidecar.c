@@ -130,8 +130,6 @@ char *sidecar_name(const char *stack, struct error *err)
 static bool run_envi(struct options *options, struct error *err)
 {
     const char *stack = options->operand;
-    if (!stack)
-        return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack, err);
     const char *path = options->output ? options->output : beside;
     struct printed header = {.text = NULL};

@@ -5,22 +5,23 @@
 
 #include "data/text/text.h"
 
-/* How messages call a kind of files, the word behind `spectral list` that lists them (NULL: the
- * message does), and where they lie. A spectrum may also be the reflectance of a material file. */
+/* How messages call a kind of files, what they say where no name is near (NULL: they list the
+ * built-in ones), and where these lie. A spectrum may also be the reflectance of a material file.
+ */
 static const struct {
-    const char *what, *list;
+    const char *what, *otherwise;
     struct {
         const char *folder, *ending;
     } places[2];
 } kinds[] = {
     [FILE_SCENE] = {"scene", NULL, {{"scenes/", ".scene"}, {"", ".scene"}}}, /* hard/mirror */
-    [FILE_MATERIAL] = {"material", "materials", {{"materials/", ".txt"}}},
+    [FILE_MATERIAL] = {"material", "see spectral list materials", {{"materials/", ".txt"}}},
     [FILE_LIST] = {"list of materials", NULL, {{"materials/", ".list"}}},
-    [FILE_TABLE] = {"spectrum", "illuminants", {{"tables/", ".csv"}, {"materials/", ".txt"}}},
-    [FILE_MODEL] = {"model", NULL, {{"models/", ".obj"}}},
+    [FILE_TABLE] = {"spectrum", NULL, {{"tables/", ".csv"}, {"materials/", ".txt"}}},
+    [FILE_MODEL] = {"model", "meshes are OBJ; see spectral list models", {{"models/", ".obj"}}},
     [FILE_MAP] = {"material map", NULL, {{"models/", ".map"}}},
-    [FILE_TEXTURE] = {"texture", "textures", {{"textures/", ".tif"}}},
-    [FILE_RELIEF] = {"relief", "reliefs", {{"reliefs/", ".tif"}}},
+    [FILE_TEXTURE] = {"texture", "see spectral list textures", {{"textures/", ".tif"}}},
+    [FILE_RELIEF] = {"relief", "see spectral list reliefs", {{"reliefs/", ".tif"}}},
     [FILE_KINDS] = {"file", NULL, {{NULL, NULL}}},
 };
 
@@ -82,22 +83,24 @@ bool word_file_or_here(const struct word *word, enum file_kind kind, char **out,
     return here != NULL;
 }
 
-void suggestion_add_files(struct suggestion *suggestion, const char *path)
+void suggestion_add_files(struct suggestion *suggestion, const char *path, enum file_kind kind)
 {
     const struct word typed = {.start = path_name(path), .length = strlen(path_name(path))};
-    const char *ending = strrchr(typed.start, '.');
+    const struct word stem = {.start = typed.start, .length = strcspn(typed.start, ".")};
+    const char *endings[] = {strrchr(typed.start, '.'), kinds[kind].places[0].ending};
     char *folder = file_relative(path, ".");
     DIR *entries = folder ? opendir(folder) : NULL;
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         const char *dot = strrchr(entry->d_name, '.');
-        if (dot && (strcmp(dot, ".scene") == 0 || (ending && strcmp(dot, ending) == 0)))
-            suggestion_add(suggestion, &typed, entry->d_name, strlen(entry->d_name));
+        for (int i = 0; dot && i < 2; i++)
+            if (endings[i] && strcmp(dot, endings[i]) == 0)
+                suggestion_add(suggestion, i == 0 ? &typed : &stem, entry->d_name,
+                               strlen(entry->d_name));
     }
     if (entries)
         closedir(entries);
     free(folder);
-    if (!suggestion->nearest[0])
-        *suggestion = (struct suggestion){.distance = 0};
+    suggestion->known[0] = '\0';
 }
 
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
@@ -106,19 +109,18 @@ bool file_expected(const char *path, struct place from, enum file_kind kind, str
     const char *name = hard ? path : path_name(path);
     const struct word typed = {.start = name, .length = strcspn(name, ".")}; /* without an ending */
     struct suggestion suggestion = {.distance = 0};
-    char known[BUILTIN_NAME], otherwise[64] = "built-in are";
+    const char *otherwise = hard ? "see spectral list hard" : kinds[kind].otherwise;
+    char known[BUILTIN_NAME];
     if (!file_is_missing(path))
         return true;
-    suggestion_add_files(&suggestion, path);
-    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
+    suggestion_add_files(&suggestion, path, kind);
+    for (size_t i = 0; i < builtin_file_count; i++)
         if (builtin_is(&builtin_files[i], kind, known) &&
             (kind != FILE_SCENE || !strchr(known, '/') == !hard))
             suggestion_add(&suggestion, &typed, known, strlen(known));
-    if (kinds[kind].list || hard) {
+    if (otherwise)
         suggestion.known[0] = '\0';
-        snprintf(otherwise, sizeof otherwise, "see spectral list %s",
-                 hard ? "hard" : kinds[kind].list);
-    }
     return error_at(err, from, "no file %.500s and no built-in %s of that name; %s", path,
-                    kinds[kind].what, suggestion_end(&suggestion, otherwise));
+                    kinds[kind].what,
+                    suggestion_end(&suggestion, otherwise ? otherwise : "built-in are"));
 }

@@ -46,7 +46,7 @@ bool option_number(const char *option, const char *value, double lowest, double 
                    double *out, struct error *err)
 {
     const char *start = value + strspn(value, " ");
-    const struct word word = {.start = start, .length = strlen(start), .place = {option, 1, 1}};
+    const struct word word = {.start = start, .length = strlen(start), .place = VALUE_OF(option)};
     return word_number(&word, "value", lowest, highest, out, err);
 }
 
@@ -57,7 +57,8 @@ bool option_count(const char *option, const char *value, double lowest, double h
     if (!option_number(option, value, lowest, highest, &count, err))
         return false;
     *out = (int)count;
-    return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
+    return count == *out ||
+           error_at(err, VALUE_OF(option), "value must be a whole number, not '%s'", value);
 }
 
 /* ---- one option ---- */
@@ -122,17 +123,14 @@ static bool refuse_option(const struct reading *reading, const char *word, size_
     const struct word typed = {.start = word, .length = length};
     const struct option *option;
     struct suggestion suggestion = {.distance = 0};
-    const char *command = reading->command->name;
-    char otherwise[64];
     size_t n;
     for (int i = 0; (option = option_at(reading->command, i)); i++)
         for (const char *name = option->usage;
              is_known(reading, option) && (name = next_name(name, &n)); name += n)
             suggestion_add(&suggestion, &typed, name, n);
-    snprintf(otherwise, sizeof otherwise, "spectral %s --help lists its options", command);
     suggestion.known[0] = '\0'; /* a list of them all is too long */
-    return error_usage(err, "%s has no option '%.*s'; %s", command, (int)length, word,
-                       suggestion_end(&suggestion, otherwise));
+    return error_usage(err, "%s has no option '%.*s'; %s", reading->command->name, (int)length,
+                       word, suggestion_end(&suggestion, "--help lists its options"));
 }
 
 bool options_record(struct options *options, const char *name, const char *value, struct error *err)
@@ -154,11 +152,12 @@ static bool store_value(struct options *options, const struct option *option, co
                         const char *value, struct error *err)
 {
     char *at = (option->own ? (char *)options->own : (char *)options) + option->offset;
-    const struct word word = {.start = value, .length = value ? strlen(value) : 0};
+    const struct word word = {
+        .start = value, .length = value ? strlen(value) : 0, .place = VALUE_OF(name)};
     int chosen;
     switch (option->kind) {
     case OPTION_TEXT:
-        chosen = option->choices ? word_choose(&word, option->choices, name, err) : 0;
+        chosen = option->choices ? word_choose(&word, option->choices, "value", err) : 0;
         value = option->choices && chosen >= 0 ? option->choices[chosen] : value;
         memcpy(at, &value, sizeof value);
         return chosen >= 0 && (!option->accepts || option->accepts(name, value, err));
@@ -170,7 +169,9 @@ static bool store_value(struct options *options, const struct option *option, co
         *(bool *)at = true;
         return true;
     case OPTION_CHANGE:
-        break;
+        if (option->marks && !strpbrk(value, option->marks))
+            return error_at(err, VALUE_OF(name), "expected %s (%s), not '%.100s'",
+                            strchr(option->usage, ' ') + 1, option->help, value);
     }
     options->changes[options->n_changes++] = (struct option_change){option->change, value};
     return true;
@@ -193,7 +194,7 @@ static bool read_option(struct reading *reading, struct options *options, struct
     const struct option *option = find_option(reading, word, length);
     char name[32], first[32];
     if (!option)
-        return refuse_option(reading, word, length, err);
+        return refuse_option(reading, word, word[1] == '-' ? length : strcspn(word, "="), err);
     snprintf(name, sizeof name, "%.*s", (int)length, word);
     snprintf(first, sizeof first, "%.*s", (int)strcspn(option->usage, ", "), option->usage);
     if (!takes_value(option) && value)
@@ -218,44 +219,20 @@ static const char *given_text(const struct options *options, const struct option
     return value;
 }
 
-/* Points to the long name in a usage, and returns its length. */
-static int long_name(const struct option *row, const char **out)
-{
-    *out = strstr(row->usage, "--");
-    return (int)strcspn(*out, " ,");
-}
-
-/* Finds whether a value names the file that is written; if it names none, it is another one. */
-static bool names_written(const char *written, const char *value, bool is_file, bool *out,
-                          struct error *err)
-{
-    *out = false;
-    return (is_file || file_is_regular(value, &is_file, err)) &&
-           (!is_file || file_is_same(written, value, out, err));
-}
-
 /* Refuses an output that is the file of another option. */
 static bool spares_option(const struct options *options, const struct option *writes,
                           const struct option *row, struct error *err)
 {
-    const char *written = given_text(options, writes), *named = given_text(options, row), *one,
-               *other;
-    bool same;
+    const char *written = given_text(options, writes), *named = given_text(options, row);
+    bool is_file = row->writes, same = false;
     if (row == writes || !named || (row->made_again && written == options->output))
         return true;
-    if (!names_written(written, named, row->writes, &same, err))
+    if ((!is_file && !file_is_regular(named, &is_file, err)) ||
+        (is_file && !file_is_same(written, named, &same, err)))
         return false;
-    const int length = long_name(writes, &one), other_length = long_name(row, &other);
-    return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files", length,
-                                one, other_length, other);
-}
-
-/* Refuses an output that is the file of an operand. */
-static bool spares_operand(const char *written, const char *operand, struct error *err)
-{
-    bool same;
-    return names_written(written, operand, false, &same, err) &&
-           (!same || error_usage(err, "%s would replace an input; expected another file", written));
+    return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files",
+                                (int)strcspn(writes->usage, ", "), writes->usage,
+                                (int)strcspn(row->usage, ", "), row->usage);
 }
 
 /* Returns whether an option was given, of any kind but those that change the scene. */
@@ -273,18 +250,17 @@ static bool is_given(const struct options *options, const struct option *row)
 /* Refuses an option that has an effect only beside another, which was not given. */
 static bool check_needs(const struct options *options, struct error *err)
 {
-    const struct option *row, *other;
+    const struct reading all = {.command = options->command};
+    const struct option *row;
     for (int i = 0; (row = option_at(options->command, i)); i++)
-        for (int k = 0;
-             row->needs && is_given(options, row) && (other = option_at(options->command, k)); k++)
-            if (names_option(other->usage, row->needs, strlen(row->needs)) &&
-                !is_given(options, other))
-                return error_usage(err, "%.*s has an effect beside %s only",
-                                   (int)strcspn(row->usage, ", "), row->usage, row->needs);
+        if (row->needs && is_given(options, row) &&
+            !is_given(options, find_option(&all, row->needs, strlen(row->needs))))
+            return error_usage(err, "%.*s has an effect beside %s only",
+                               (int)strcspn(row->usage, ", "), row->usage, row->needs);
     return true;
 }
 
-/* --output is opened before the work begins, or is a folder. */
+/* --output is opened before the work begins, or is a folder. output_open spares what was read. */
 bool options_check_outputs(const struct options *options, struct error *err)
 {
     const struct option *writes, *other;
@@ -297,14 +273,18 @@ bool options_check_outputs(const struct options *options, struct error *err)
         for (int k = 0; (other = option_at(options->command, k)); k++)
             if (!spares_option(options, writes, other, err))
                 return false;
-        for (int k = 0; k < options->n_operands; k++)
-            if (!spares_operand(written, options->operands[k], err))
-                return false;
     }
     return true;
 }
 
 /* ---- the command line ---- */
+
+bool options_misused(const struct command *command, const char *why, const char *word,
+                     struct error *err)
+{
+    return error_usage(err, "%s '%s'; usage: spectral %s %s [OPTIONS]", why, word, command->name,
+                       command->operands);
+}
 
 bool options_read(const struct command *command, bool recorded, const char *const *words,
                   int n_words, struct options *out, struct error *err)
@@ -322,13 +302,14 @@ bool options_read(const struct command *command, bool recorded, const char *cons
             if (!read_option(&reading, out, err))
                 return false;
         } else if (out->n_operands == command->n_operands) {
-            return error_usage(err, "unexpected operand '%s'; see spectral %s --help", word,
-                               command->name);
+            return options_misused(command, "unexpected operand", word, err);
         } else {
             out->operands[out->n_operands++] = word;
         }
     }
     out->operand = out->operands[0];
+    if (!out->help && !out->operand && !strchr("[-", command->operands[0]))
+        return options_misused(command, "an operand is missing behind", command->name, err);
     return check_needs(out, err) && options_check_outputs(out, err);
 }
 

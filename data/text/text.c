@@ -37,8 +37,9 @@ static bool check_format(const struct text *text, bool xml, struct error *err)
     const char *format = format_of(text->at, text->length - (size_t)(text->at - text->bytes));
     return strcmp(format, "text") == 0 || format[0] == '\0' ||
            (xml && strcmp(format, "XML") == 0) ||
-           error_at(err, text_whole(text), "the file is %s; expected plain text%s", format,
-                    strcmp(format, "JCAMP-DX") == 0 ? ", as data/samples/to_csv.py writes" : "");
+           error_at(err, text_whole(text), "the file is %s; expected plain text, as %s", format,
+                    strcmp(format, "JCAMP-DX") == 0 ? "data/samples/to_csv.py writes"
+                                                    : "scenes, tables and OBJ meshes are");
 }
 
 /* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */
@@ -271,6 +272,22 @@ static bool refuse_range(const struct word *word, const char *what, bool above, 
                     word->start, side, above ? highest : low, asked);
 }
 
+/* Refuses a word that is no number. Names the number that it may stand for: 400 for 400nm, 0.5 for
+ * 50% and 0,5, 1 for <1,0,0>. */
+static bool refuse_word(const struct word *word, const char *what, struct error *err)
+{
+    char copy[64], example[32] = "2.5 or 1e-3", *end;
+    snprintf(copy, sizeof copy, "%.*s", word_shown(word), word->start);
+    char *start = copy + (copy[0] == '<'), *comma = strchr(copy, ',');
+    if (comma && !strchr(comma + 1, ','))
+        *comma = '.';
+    const double value = strtod(start, &end), meant = *end == '%' ? value / 100 : value;
+    if (end > start && *end != '.' && isfinite(meant) && !word->quoted)
+        snprintf(example, sizeof example, "%.15g", meant);
+    return error_at(err, word->place, "%s must be a number such as %s, not '%.*s'", what, example,
+                    word_shown(word), word->start);
+}
+
 bool word_number(const struct word *word, const char *what, double lowest, double highest,
                  double *out, struct error *err)
 {
@@ -278,8 +295,7 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
     if (!word_check(word, err))
         return false;
     if (!read_number(word, &value))
-        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%.*s'",
-                        what, word_shown(word), word->start);
+        return refuse_word(word, what, err);
     if (!isfinite(value))
         return error_at(err, word->place, "%s %.*s is too large; numbers end at %.2g", what,
                         word_shown(word), word->start, DBL_MAX);

@@ -91,21 +91,19 @@ struct suggestion {
     char known[LIST_SIZE], nearest[64], text[LIST_SIZE + 64];
     int distance; /* of the nearest one from the typed word */
 };
-/* Adds a known word, and compares it with the typed one. */
+/* Adds a known word, and compares it with the typed one. A word of other programs may stand for it.
+ */
 void suggestion_add(struct suggestion *suggestion, const struct word *typed, const char *known,
                     size_t length);
-/* Adds the scenes in the folder of a missing file, and the files that end as it does; none of them
- * if none is near. In names.c. */
-void suggestion_add_files(struct suggestion *suggestion, const char *path);
 /* Returns "did you mean NEAREST?" if a known word is near, or else the list behind the words
  * `otherwise`: "known are A, B". Valid as long as *suggestion. */
 const char *suggestion_end(struct suggestion *suggestion, const char *otherwise);
 
 /* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
 
-/* Returns the index of the word in `known`, which ends with NULL; ignores case where no word is the
- * same. Returns -1 for any other word, with an error that proposes the nearest known one. `what`
- * names the word in the message. */
+/* Returns the index of the word in `known`, which ends with NULL; ignores case. Returns -1 for any
+ * other word, with an error that proposes the nearest known one. `what` names the word in the
+ * message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
@@ -194,6 +192,8 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
 /* Finds it likewise; where it is missing, in the working folder, as the program of the thesis did.
  */
 bool word_file_or_here(const struct word *word, enum file_kind kind, char **out, struct error *err);
+/* Adds the files in the folder of a missing one that end as it does, or as those of its kind. */
+void suggestion_add_files(struct suggestion *suggestion, const char *path, enum file_kind kind);
 /* Refuses a missing file, and proposes a built-in one of this kind. The place names the file. */
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err);
 
@@ -218,6 +218,7 @@ struct option {
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
+    const char *marks; /* OPTION_CHANGE: the value has one of them; NULL: it may have none */
     const char *needs; /* it has an effect beside this option only, as "--objects"; NULL: always */
     bool writes;       /* OPTION_TEXT: the value names a file that the command writes */
     bool made_again;   /* OPTION_TEXT: the value names a file that --output may name, too */
@@ -241,10 +242,11 @@ struct option_list {
 
 struct command {
     const char *name;
-    const char *operands, *summary; /* for --help, which breaks the lines of the summary */
-    const char *example; /* the words behind "spectral", of scenes that all programs have */
-    const char *first;   /* what the example does, for the answer to the program's name alone; NULL:
-                            this is no command to begin with */
+    const char *operands; /* for --help; begins with a capital letter where one is needed */
+    const char *summary;  /* for --help, which breaks its lines */
+    const char *example;  /* the words behind "spectral", of scenes that all programs have */
+    const char *first; /* what the example does, for the answer to the program's name alone; NULL:
+                          this is no command to begin with */
     bool (*run)(struct options *options, struct error *err);
     struct option_list rows;              /* options of its own */
     const struct option_list *shared[16]; /* others, then NULL; common_options come behind */
@@ -292,17 +294,20 @@ struct options {
 bool options_read(const struct command *command, bool recorded, const char *const *words,
                   int n_words, struct options *out, struct error *err);
 void options_free(struct options *options);
-/* Refuses outputs that would replace another file of the command line, or a file that was read
- * until now, and those beside --output that cannot be opened. options_read has called it; a command
+/* Refuses outputs that would replace the file of another option, or a file that was read until now,
+ * and those beside --output that cannot be opened. options_read has called it; a command
  * that works long calls it again when its inputs are read. */
 bool options_check_outputs(const struct options *options, struct error *err);
+/* Refuses the operands: says why, names the word that this is about, and shows the usage. */
+bool options_misused(const struct command *command, const char *why, const char *word,
+                     struct error *err);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,
                     struct error *err);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
- * after "scene" where the path is "-". Refuses a name that the command line has, too. options_free
- * ends it. */
+ * after "scene" where the path is "-". Refuses the name of another option's file. options_free ends
+ * it. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
 /* Limits the memory of the command: see memory_limit. */

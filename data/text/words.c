@@ -52,7 +52,7 @@ static int distance_of(struct word typed, const char *known, size_t length)
     const size_t longer = n_a > n_b ? n_a : n_b;
     const size_t shorter = n_a < n_b ? n_a : n_b;
     if (shorter >= 3 && shorter < longer && strncasecmp(typed.start, known, shorter) == 0)
-        return 1;
+        return 0;
     const size_t found = (size_t)distance(typed.start, n_a, known, n_b);
     return 3 * found <= longer && found < longer ? (int)found : FAR;
 }
@@ -76,14 +76,49 @@ static int nearness(const struct word *typed, const char *known, size_t length)
                : smaller(whole, distance_of(last, known + in_known, length - in_known) + 1);
 }
 
+/* Words of other programs, and what to write here where the known word could stand; "": anywhere.
+ */
+static const struct habit {
+    const char *words, *known, *meant;
+} habits[] = {
+    {" // /* ; % ", "wavelengths", "# before a comment"},
+    {" color colour rgb pigment albedo kd Kd ", "diffuse", "diffuse SPECTRUM (there is no RGB)"},
+    {" red green blue black white ", "d65", "a number or a spectrum (there is no RGB)"},
+    {" position direction ", "d65", "SPECTRUM INTENSITY before it"},
+    {" daylight blackbody ", "d65", "daylight:6504 or blackbody:6504, in K"},
+    {" shininess roughness phong Ns ", "gloss", "gloss, from 0 to 128"},
+    {" location from position origin ", "eye", "eye"},
+    {" at to target center ", "look", "look"},
+    {" lookat look_at gluLookAt gluPerspective glOrtho ", "camera", "camera"},
+    {" sphere torus box plane cylinder cone disk teapot mesh ", "object", "object before it"},
+    {" cube cuboid ", "box", "box"},
+    {" quad rectangle square ", "plane", "plane"},
+    {" position move at ", "translate", "translate"},
+    {" resolution image film ", "size", "size"},
+};
+
+/* Returns what is meant by a typed word where a known one could stand; NULL: it is no habit. */
+static const char *meant_by(const struct word *typed, const char *known, size_t length)
+{
+    const struct word word = {.start = known, .length = length};
+    char blank[32];
+    snprintf(blank, sizeof blank, " %.*s ", (int)typed->length, typed->start);
+    for (size_t i = 0; i < sizeof habits / sizeof *habits; i++)
+        if (word_equals(&word, habits[i].known) && strstr(habits[i].words, blank))
+            return habits[i].meant;
+    return NULL;
+}
+
 void suggestion_add(struct suggestion *out, const struct word *typed, const char *known,
                     size_t length)
 {
-    const int found = nearness(typed, known, length);
+    const char *meant = meant_by(typed, known, length);
+    const int found = meant ? 0 : nearness(typed, known, length);
     const size_t used = strlen(out->known);
     if (out->nearest[0] == '\0' ? found < FAR : found < out->distance) {
         out->distance = found;
-        snprintf(out->nearest, sizeof out->nearest, "%.*s", (int)length, known);
+        snprintf(out->nearest, sizeof out->nearest, "%.*s", meant ? 64 : (int)length,
+                 meant ? meant : known);
     }
     /* the list is cut where its room ends */
     snprintf(out->known + used, LIST_SIZE - used, "%s%.*s", used > 0 ? ", " : "", (int)length,
@@ -106,15 +141,12 @@ int word_choose(const struct word *word, const char *const *known, const char *w
 {
     struct suggestion suggestion = {.distance = 0};
     for (int i = 0; known[i]; i++)
-        if (word_equals(word, known[i])) {
+        if (strlen(known[i]) == word->length &&
+            strncasecmp(word->start, known[i], word->length) == 0) {
             if (word->quoted)
                 error_at(err, word->place, "'%s' is a word; write it without quotes", known[i]);
             return word->quoted ? -1 : i;
         }
-    for (int i = 0; known[i] && !word->quoted; i++)
-        if (strlen(known[i]) == word->length &&
-            strncasecmp(word->start, known[i], word->length) == 0)
-            return i;
     for (int i = 0; known[i]; i++)
         suggestion_add(&suggestion, word, known[i], strlen(known[i]));
     error_at(err, word->place, "unknown %s '%.*s'; %s", what, word_shown(word), word->start,

@@ -19,18 +19,19 @@ static void put(struct json *json, const char *what, long n, long of, const char
     json_close(json, '}');
 }
 
+const char *const view_plane_words[VIEW_PLANES] = {
+    [VIEW_LEFT] = "left of the view",      [VIEW_RIGHT] = "right of the view",
+    [VIEW_BELOW] = "below the view",       [VIEW_ABOVE] = "above the view",
+    [VIEW_NEAR] = "before the near plane", [VIEW_FAR] = "beyond the far plane"};
+
 static void put_instances(struct json *json, const struct plan *plan)
 {
-    static const char *const where[VIEW_PLANES] = {
-        [VIEW_LEFT] = "left of the view",      [VIEW_RIGHT] = "right of the view",
-        [VIEW_BELOW] = "below the view",       [VIEW_ABOVE] = "above the view",
-        [VIEW_NEAR] = "before the near plane", [VIEW_FAR] = "beyond the far plane"};
     long n[VIEW_PLANES] = {0};
     for (int i = 0; i < plan->n_instances; i++)
         if (!plan->instances[i].in_view)
             n[plan->instances[i].outside]++;
     for (int plane = 0; plane < VIEW_PLANES; plane++)
-        put(json, "instances", n[plane], plan->n_instances, where[plane]);
+        put(json, "instances", n[plane], plan->n_instances, view_plane_words[plane]);
 }
 
 /* Puts the work that the scene does not call for, as the list "left_out". */

@@ -34,6 +34,7 @@ struct plan_mesh {
 };
 /* The planes of the view. A set of them has bit 1 << plane. */
 enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
+extern const char *const view_plane_words[]; /* where that is, as "left of the view" */
 /* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
 struct placed_instance {
     const struct object *object;

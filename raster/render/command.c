@@ -8,8 +8,9 @@
 /* Refuses the name of a stack that ends like that of another format. */
 static bool check_stack_name(const char *path, struct error *err)
 {
-    static const char *const others[] = {".png", ".exr", ".jpg", ".jpeg", ".hdr", ".bmp",
-                                         ".gif", ".pfm", ".ppm", ".html", ".svg", NULL};
+    static const char *const others[] = {".png", ".exr", ".jpg",  ".jpeg", ".hdr", ".bmp",  ".gif",
+                                         ".pfm", ".ppm", ".html", ".svg",  ".hdf", ".hdf5", ".h5",
+                                         ".nc",  ".npy", ".mat",  ".csv",  NULL};
     struct error unknown = {0};
     int other;
     return !path || !path_ending(path, others, &other, &unknown) || other < 0 ||
@@ -207,7 +208,8 @@ static bool part_read(const char *value, struct picture_part *out, struct error 
         sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
         out->number >= 1 && out->number <= out->count)
         return true;
-    return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);
+    return error_at(err, VALUE_OF("--part"), "expected a part and their number, as 3/7, not '%s'",
+                    value);
 }
 
 /* A program without OpenGL draws by the reference where no renderer is given. */

@@ -9,7 +9,7 @@
 /* ---- notes.c: a list of notes ---- */
 
 /* Leaves one note, on a picture that shows no object. */
-void notes_of_nothing(struct notes *notes);
+void notes_of_nothing(const struct plan *plan, struct notes *notes);
 
 /* ---- check_map.c ---- */
 

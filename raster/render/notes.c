@@ -17,10 +17,15 @@ void note_add(struct notes *notes, const char *code, const char *format, ...)
 
 /* ---- darkness ---- */
 
-void notes_of_nothing(struct notes *notes)
+void notes_of_nothing(const struct plan *plan, struct notes *notes)
 {
+    const struct camera *camera = &plan->scene->camera;
+    char where[128] = "";
+    if (plan->n_instances > 0 && !plan->instances[0].in_view)
+        snprintf(where, sizeof where, "; the first lies %s (near %g, far %g)",
+                 view_plane_words[plan->instances[0].outside], camera->near, camera->far);
     notes->n = 0;
-    note_add(notes, "nothing-in-view", "the picture is black: no object is in view");
+    note_add(notes, "nothing-in-view", "the picture is black: no object is in view%s", where);
 }
 
 /* Returns the sum of what all lights may give all vertices of a surface. Phong shading lights
@@ -66,7 +71,7 @@ static void note_dark(const struct lit_scene *lit, struct notes *notes)
         last = instances[s].object;
     }
     if (!shows)
-        notes_of_nothing(notes);
+        notes_of_nothing(lit->plan, notes);
     if (n == 0)
         return;
     object_text(lit->plan, first, object, sizeof object);
@@ -188,8 +193,12 @@ static void note_tables(const struct plan *plan, struct notes *notes)
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
                 struct error *err)
 {
+    const struct place turn = lit->plan->scene->doubted_turn;
     note_dark(lit, out);
     note_depth(lit, out);
+    if (turn.line > 0)
+        note_add(out, "rotate", "%.300s:%d:%d: a turn by 1 degree or less; expected ANGLE X Y Z",
+                 turn.path, turn.line, turn.column);
     note_tables(lit->plan, out);
     note_emission(lit->plan, out);
     note_lost(lit->plan, out);

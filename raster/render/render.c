@@ -235,7 +235,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     *out = (struct render_result){.notes = output->notes};
     const bool done = prepare(&of, err) && stages_run(&of, err) && finish(&of, err);
     if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
-        notes_of_nothing(output->notes);
+        notes_of_nothing(plan, output->notes);
     stack_discard(&of.stack); /* keeps a stack that has been passed on */
     fit_free(&of.check_scene.fit);
     check_map_discard(&of.map);

@@ -104,6 +104,6 @@ bool driver_accepts_library(const char *option, const char *value, struct error 
 {
     return strcmp(value, "osmesa") == 0 || strcmp(value, "egl") == 0 ||
            strcmp(value, "auto") == 0 || driver_device(value) >= 0 ||
-           error_usage(err, "%s is osmesa, egl, egl:N (EGL's device N) or auto, not '%.100s'",
-                       option, value);
+           error_at(err, VALUE_OF(option),
+                    "expected osmesa, egl, egl:N (EGL's device N) or auto, not '%.100s'", value);
 }

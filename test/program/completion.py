@@ -190,7 +190,7 @@ def test_choices():
                                      stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, check=False).stderr.decode()
             choices = [word.split("[")[0] for word in words.split("|") if word]  # the last may stand for a file
             expected = re.sub(r" or |:[A-Za-z]+", ", ", refused[re.search("is one of|known are|expected", refused).end():].split(", or a file ")[0])
-            known = {word for word in re.split("[, ]+", expected.split(", found")[0].strip()) if word}
+            known = {word for word in re.split("[, ]+", expected.split(", not")[0].strip()) if word}
             check(set(choices) == known, f"{command} {option} takes {' '.join(choices)}", refused)
 
 

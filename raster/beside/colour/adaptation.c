@@ -40,10 +40,10 @@ bool adaptation_read(const char *option, const char *text, struct adaptation *ou
         out->kind = ADAPTATION_FAIRCHILD;
         return word_number(&word, "luminance in cd/m2", 1e-6, 1e12, &out->luminance, err);
     }
-    return error_usage(err,
-                       "%s: expected none, von-kries, fairchild, fairchild:LUMINANCE, bradford or "
-                       "cat16, found '%.100s'",
-                       option, text);
+    return error_at(err, VALUE_OF(option),
+                    "expected none, von-kries, fairchild, fairchild:LUMINANCE, bradford or cat16, "
+                    "not '%.100s'",
+                    text);
 }
 
 /* ---- matrices ---- */

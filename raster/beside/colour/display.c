@@ -165,10 +165,10 @@ bool display_read(const char *name, struct display *out, struct error *err)
         return make_profile(out);
     }
     if (!display_is_known(name) && file_is_missing(name))
-        return error_usage(err,
-                           "no display '%.100s' and no such file; expected srgb, monitor, or a "
-                           "file of a display's numbers",
-                           name);
+        return error_at(err, VALUE_OF("--display"),
+                        "no display '%.100s' and no such file; expected srgb, monitor, or a "
+                        "file of a display's numbers",
+                        name);
     if (!rows_of_three(path, names, 6, row, err))
         return false;
     memcpy(out->primaries, row, sizeof out->primaries);

@@ -32,11 +32,10 @@ static bool read_tolerance(const char *text, struct tolerance *out, struct error
     }
     struct error ignored = {.status = EXIT_AGREED};
     return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
-           error_usage(
-               err,
-               "--tolerance takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
-               "colour difference as 0.5dE00, not '%.100s'",
-               text);
+           error_at(err, VALUE_OF("--tolerance"),
+                    "expected a radiance as 0.01, a share of the largest as 0.1%%, or a "
+                    "colour difference as 0.5dE00, not '%.100s'",
+                    text);
 }
 
 /* ---- in words ---- */
@@ -247,7 +246,7 @@ static bool run_compare(struct options *options, struct error *err)
     struct comparison comparison = {
         .options = options, .map = own->map, .other_detector = own->other};
     if (options->n_operands != 2)
-        return error_usage(err, "compare takes two stacks; see spectral compare --help");
+        return options_misused(options->command, "a stack is missing behind", a, err);
     const bool done = read_tolerance(tolerance, &comparison.tolerance, err) &&
                       scene_refuse(a, err) && scene_refuse(b, err) &&
                       (own->objects ? compare_objects(&comparison, err)

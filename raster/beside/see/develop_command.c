@@ -146,8 +146,6 @@ static bool run_develop(struct options *options, struct error *err)
     struct development of;
     struct printed printed = {.text = NULL};
     const char *stack = options->operand;
-    if (!stack)
-        return error_usage(err, "develop takes a STACK; see spectral develop --help");
     if (!name_picture(options, stack, err) || !read_options(options, &of, err) ||
         !check_raw(options, err))
         return false;

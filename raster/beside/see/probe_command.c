@@ -26,9 +26,8 @@ static bool region_read(const struct options *options, struct probe *out, struct
         return true;
     }
     if (options->n_operands != 3 && options->n_operands != 5)
-        return error_usage(
-            err, "probe takes a STACK or SCENE, X and Y, and optionally W and H; or a STACK "
-                 "and an object; see spectral probe --help");
+        return options_misused(options->command, "expected X Y, X Y W H or OBJECT behind",
+                               options->operand, err);
     for (int i = 0; i + 1 < options->n_operands; i++)
         if (!option_count(names[i], options->operands[1 + i], i < 2 ? 0 : 1, INT32_MAX, numbers[i],
                           err))

@@ -187,7 +187,6 @@ static bool run_show(struct options *options, struct error *err)
     bool done = own->csv + own->svg < 2 || error_usage(err, "--csv and --svg exclude each other");
     if (done && !own->csv && !own->svg)
         return show_file(options, err);
-    done = done && (options->n_operands > 0 || error_usage(err, "show takes one NAME or more"));
     for (int i = 0; done && i < options->n_operands; i++) {
         done = add_named(&curves, options->operands[i], err);
         print(&names, "%s%s", i > 0 ? ", " : "", options->operands[i]);

@@ -119,8 +119,8 @@ static bool read_white(const char *value, struct lit_surface *out, struct error 
         word.length = (size_t)(star - value);
     for (size_t i = 0; i < builtin_file_count; i++)
         if (builtin_is(&builtin_files[i], FILE_MATERIAL, name) && word_equals(&word, name))
-            return error_usage(err, "--white: %s is a reflectance; name its light, too: d65*%s",
-                               name, name);
+            return error_at(err, place, "%s is a reflectance; name its light, too: d65*%s", name,
+                            name);
     return spectrum_read(&word, 0, HUGE_VAL, &out->light, err) &&
            (!out->reflects || spectrum_read(&surface, 0, 1, &out->reflectance, err));
 }

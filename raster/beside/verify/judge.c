@@ -105,9 +105,6 @@ static bool run_judge(struct options *options, struct error *err)
     struct options exported = {.operand = NULL};
     const char *words[EXPORTED_WORDS];
     int n_words;
-    if (n == 0)
-        return error_usage(err, "judge needs FOLDER, which export wrote and another program drew "
-                                "into; PIXELS may lie in another folder");
     char *text = read_exported(options->operands[0], words, &n_words, err);
     bool done = text &&
                 options_read(&export_command, true, words + 1, n_words - 1, &exported, err) &&

@@ -8,7 +8,8 @@
 /* Kinds of outputs, by the endings of their names: a page; the picture that it shows first; the
  * data of a page alone, in two files. */
 enum output_kind { HTML_PAGE, HTM_PAGE, PICTURE, PLANES, DESCRIPTION };
-static const char *const endings[] = {".html", ".htm", ".png", ".planes", ".json", NULL};
+static const char *const endings[] = {".html", ".htm", ".png", ".planes", ".json", NULL},
+                         *const endings_shown[] = {".html", ".htm", ".png", NULL}; /* to users */
 
 /* ---- scenes ---- */
 
@@ -187,11 +188,13 @@ static bool run_view(struct options *options, struct error *err)
     const char *operand = options->operand;
     const char *subject = own->gallery ? "gallery" : options_scene(options);
     struct telling to = {.words = {.text = NULL}};
+    struct error unknown = {.status = EXIT_AGREED};
     bool is_stack = false;
     int ending;
-    if (!options_name_output(options, subject, ".html", err) ||
-        !path_ending(options->output, endings, &ending, err))
+    if (!options_name_output(options, subject, ".html", err))
         return false;
+    if (!path_ending(options->output, endings, &ending, &unknown))
+        return path_ending(options->output, endings_shown, &ending, err);
     const enum output_kind kind = ending < 0 ? HTML_PAGE : (enum output_kind)ending;
     if (own->gallery && (operand || own->still))
         return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",

@@ -1,10 +1,13 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: first; packages: python3-numpy python3-tifffile
+# level: first; packages: python3-numpy python3-tifffile; makes: command_table
 """Words of scenes and of the files that they name: what an MTL entry loses is noted, values of a PNG file that says so are made
-linear, printed names can be typed, files of the thesis's folders are found, and a near name in the folder is proposed. Prints TAP."""
+linear, printed names can be typed, files of the thesis's folders are found, and a near name in the folder is proposed. What other
+programs call a thing, and write a number, is understood in the message; each option and command names itself. Prints TAP."""
 import os
+import re
 import struct
+import subprocess
 import zlib
 
 import numpy as np
@@ -120,7 +123,62 @@ for name in ("block.obj", "oak.csv", "wood.png", "red.txt", "my.list", "a.map", 
 for typed, near in (("material m { diffuse oka.csv }", "oak.csv"), ("material m { diffuse 0.5 texture woood.png }", "wood.png"),
                     ("material m { diffuse 0.5 }\nobject mesh blok.obj material m", "block.obj"), ("material m rde.txt", "red.txt"),
                     ("checker mi.list plane 1 1", "my.list"), ("material m { diffuse 0.5 }\nobject mesh quad.obj materials b.map", "a.map"),
-                    ("include lmap.scene", "lamp.scene")):
+                    ("include lmap.scene", "lamp.scene"), ("material m { diffuse 0.5 }\nobject mesh block.stl material m", "block.obj"),
+                    ("material m { diffuse 0.5 }\nobject mesh bloc material m", "block.obj"), ("include spheres.scene", "spheres")):
     _, said = rendered(HEAD + typed + "\nobject plane 9 9 material m\n")
     check(f"did you mean {near}?" in said, f"{typed.splitlines()[-1]}: {near} is proposed", said)
+_, said = rendered(HEAD + "material m { diffuse lamp }\nobject plane 9 9 material m\n")
+check("did you mean" not in said, "no scene is proposed as a spectrum", said)
+
+# ---- habits: each word of the table, where its known word may stand ----
+PLACES = {"wavelengths": "size 4 4\n{} a scene", "diffuse": "material m {{ {} 1 0 0 }}", "d65": "light {} 1 direction 0 0 1", "gloss": "material m {{ diffuse 1 {} 1 }}",
+          "eye": "camera ortho 9 {} 0 0 9", "look": "camera ortho 9 {} 0 0 9", "camera": "{} 0 0 9", "object": "{} 1 material m",
+          "box": "object {} 1 material m", "plane": "object {} 1 material m", "translate": "object sphere 1 {} 1 0 0", "size": "{} 4 4"}
+with open("data/text/words.c") as source:
+    rows = re.findall(r'^    \{" (.+) ", "(.+)",\s+"(.+)"\},$', source.read(), re.M)
+check({known for _, known, _ in rows} == set(PLACES) and len(rows) > 12, "each row of the table of habits is tried", rows)
+for words, known, meant in rows:
+    bad = [said for word in words.split() for said in [rendered(PLACES[known].format(word))[1]] if f"did you mean {meant}?" not in said]
+    check(bad == [], f"{words}: {meant} is proposed", bad)
+
+# ---- numbers, orders and colours as other programs write them: the place, and what to type ----
+BALL = "material m { diffuse 0.5 }\nobject sphere 1 material m "
+for typed, place, words in (
+        ("size 60x40", "1:6", "'60x40' is written as behind --size; write size 60 40"),
+        ("wavelengths 400 10 700", "1:17", "END 10 is below START 400; write START END STEP"),
+        ("wavelengths 400:700:10", "1:13", "START must be a number such as 400, not '400:700:10'"),
+        ("wavelengths 400nm 700nm 10nm", "1:13", "START must be a number such as 400, not '400nm'"),
+        ("wavelengths 0.4 0.7 0.01", "1:1", "multiply micrometres by 1000"), ("wavelengths 4e-7 7e-7 1e-8", "1:1", "multiply metres by 1e9"),
+        ("material m { diffuse 1 0 0 }", "1:24", "'0' is too much: diffuse takes one spectrum, and no RGB"),
+        ("material m { diffuse 50% }", "1:22", "spectrum must be a number such as 0.5, not '50%'"),
+        ("material m { diffuse 0,5 }", "1:22", "spectrum must be a number such as 0.5, not '0,5'"),
+        ("light 6500K 1 direction 0 0 1", "1:7", "for a temperature write daylight:6500 or blackbody:6500"),
+        ("light daylight:6500K 1 direction 0 0 1", "1:16", "temperature must be a number such as 6500, not '6500K'"),
+        ("light d65,0.5 1 direction 0 0 1", "1:7", "a factor stands behind a *: d65*0.5"),
+        ("light d65 position 0 0 8", "1:11", "intensity must be a number such as 2.5 or 1e-3, not 'position'"),
+        ("background 0 0 0", "1:16", "'0' is too much: background SPECTRUM INTENSITY takes no more"),
+        (BALL + "rotate 0 90 0", "2:41", "expected a number: z of axis (ANGLE X Y Z)"),
+        (BALL + "translate <1, 0, 0>", "2:38", "x of translation must be a number such as 1, not '<1,'"),
+        (BALL + "translate 1,0,0", "2:38", "x of translation must be a number such as 1, not '1,0,0'"),
+        ("material m { diffuse 1 }\nobject mesh none.stl material m", "2:13", "meshes are OBJ; see spectral list models")):
+    _, said = rendered(typed)
+    check(f"case.scene:{place}: error: " in said and words in said, f"{typed.splitlines()[-1]}: {words}", said)
+with open(write("scan:0.5", "400 0.5\n700 0.5\n")):
+    check(rendered("material m { diffuse scan:0.5 }\nobject plane 9 9 material m\n")[0] is not None, "a file goes before a part of its name")
+
+# ---- options and operands: all of them ----
+table = subprocess.run([f"{os.environ.get('BUILD', 'build')}/test/command_table"], stdout=subprocess.PIPE, check=True, text=True).stdout
+for row in table.splitlines():
+    kind, *columns = row.split("\t")
+    if kind == "command":
+        command, most, operands = columns
+        for words in [[]] * operands[0].isupper() + [["1"] * (int(most) + 1)] * (int(most) < 99):
+            said = run(command, *words).stderr
+            check(said.endswith(f"usage: spectral {command} {operands} [OPTIONS]\n"), f"{command} {' '.join(words)}: its usage", said)
+        continue
+    usage, kind, _, _, _, choices = columns
+    name = re.search(r"--[\w-]+", usage)[0]
+    if kind in ("number", "count") or choices or (kind == "change" and " " in usage and command == "plan"):
+        said = run(command, f"{name}=@", *(["patches"] if command == "plan" else [])).stderr
+        check(said.startswith(f"{name}:1:1: error: "), f"{command} {name}=@: the place", said)
 done()

@@ -87,6 +87,26 @@ static void check_refusals(void)
     CHECK_TEXT(number_error("3", -HUGE_VAL, 2, &err),
                "t:1:1: error: gloss 3 is above 2; it is at most 2",
                "the message names an upper bound");
+    static const char *const meant[][2] = {{"400nm", "400"},
+                                           {"-5deg", "-5"},
+                                           {"0,5", "0.5"},
+                                           {"50%", "0.5"},
+                                           {"1,0,0", "1"},
+                                           {"<1,", "1"},
+                                           {"1,", "1"},
+                                           {"0x190", "400"},
+                                           {"1.5abc", "1.5"},
+                                           {"1.000,5", "2.5 or 1e-3"},
+                                           {"1..2", "2.5 or 1e-3"},
+                                           {"red", "2.5 or 1e-3"},
+                                           {"inf", "2.5 or 1e-3"},
+                                           {"\"4\"", "2.5 or 1e-3"}};
+    for (size_t i = 0; i < sizeof meant / sizeof *meant; i++) {
+        char expected[64];
+        snprintf(expected, sizeof expected, "must be a number such as %s, not", meant[i][1]);
+        CHECK(strstr(number_error(meant[i][0], -HUGE_VAL, HUGE_VAL, &err), expected),
+              "%s is refused, and stands for %s", meant[i][0], meant[i][1]);
+    }
     CHECK_TEXT(number_error("", 0, 1, &err), "t: error: expected a number: gloss",
                "the message for a missing word without a line names the file");
     CHECK_TEXT(number_error(" # 1", 0, 1, &err), "t:1:2: error: expected a number: gloss",

@@ -97,10 +97,12 @@ def emission():
 
 def out_of_view():
     far = BALL[:-1] + " translate 10 3 0\n"
-    for name, objects in (("no object", ""), ("an object beside the view", far)):
+    for name, objects, where in (("no object", "", ""), ("an object beside the view", far, "; the first lies right of the view (near -10, far 10)"),
+                                 ("an object beyond far", BALL[:-1] + " translate 0 0 -500\n",
+                                  "; the first lies beyond the far plane (near -10, far 10)")):
         scene = HEAD + LIGHT + "ambient d65 1\n" + GREY + objects
-        is_black(name, gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$"))
-        check(printed(run("plan", scene)) == ["the picture is black: no object is in view"], f"{name}: plan says so, too")
+        is_black(name, gets(name, scene, "nothing-in-view", f"^the picture is black: no object is in view{re.escape(where)}$"))
+        check(printed(run("plan", scene)) == [f"the picture is black: no object is in view{where}"], f"{name}: plan says so, too")
     for name, objects in (("an object seen edge-on", WALL[:-1] + " rotate 90 0 1 0\n"), ("a small object", BALL[:-1] + " scale 0.001\n")):
         scene = HEAD + "ambient d65 1\n" + GREY + objects
         is_black(name, gets_none(f"{name}, by the reference alone", scene, "--no-check"))
@@ -108,6 +110,14 @@ def out_of_view():
     shows("one of two objects beside the view", HEAD + LIGHT + GREY + BALL + far)
     check(re.search(r"^left out +instances: count 1, of 2, reason right of the view$", run("plan", HEAD + LIGHT + GREY + BALL + far).stdout, re.MULTILINE),
           "plan says where the other one lies")
+
+
+def turns():
+    for turn in "0 1 0 90", "1 0 0 45", "0 0 -1 -30":
+        gets(f"rotate {turn}", HEAD + LIGHT + GREY + BALL[:-1] + f" rotate {turn}\n", "rotate",
+             r"^.*notes\.scene:\d+:\d+: a turn by 1 degree or less; expected ANGLE X Y Z$")
+    for turn in "90 0 1 0", "0 0 0 1", "1 1 1 1", "45 1 0 90", "0 3 4 5":
+        shows(f"rotate {turn}", HEAD + LIGHT + GREY + BALL[:-1] + f" rotate {turn}\n")
 
 
 def black():
@@ -219,5 +229,5 @@ def builtin():
               (len(shading) == 1) == (scene in SHADED), f"{scene} has the expected notes", notes)
 
 
-parts(no_light, emission, out_of_view, black, depth, extrapolated, commands, shading, manual, builtin)
+parts(no_light, emission, out_of_view, turns, black, depth, extrapolated, commands, shading, manual, builtin)
 done()
