@@ -19,7 +19,7 @@ GREY = "material m { diffuse 0.5 }\n"
 BALL = "object sphere 2 20 20 material m\n"
 WALL = "object plane 8 8 material m\n"
 expected_codes = set()
-SHADED = {"colorchecker", "metals", "pasture", "room", "textures"}  # built-in scenes
+SHADED = {"colorchecker", "metals", "pasture", "relief", "room", "textures"}  # built-in scenes
 ON_TOP = "light d65 1 position 0 0 4 spot 0 0 -1 "
 
 
