@@ -281,6 +281,7 @@ function move_cursor(x, y) {
     cross.style.left = `${(cursor.x + 0.5) / shape.width * 100}%`;
     cross.style.top = `${(cursor.y + 0.5) / shape.height * 100}%`;
   }
+  show_cross();
 }
 
 function pick(x, y) {
@@ -314,37 +315,85 @@ function pick_by_pointer(event) {
     Math.floor((event.clientY + 0.5 - box.top) / box.height * shape.height));
 }
 
-/* ---- zooming in; in a live page the camera moves instead ---- */
+/* ---- zooming; in a live page a drag, the plain wheel, fingers, + and - move the camera instead ---- */
 
-const zoom = {scale: 1, x: 0, y: 0}, MOST_ZOOM = 64;
+const zoom = {scale: 1, x: 0, y: 0}; /* 1: the picture fits; where the frame's corner is, off its place */
+const MOST_ZOOM = 64;
 const fingers = new Map(); /* pointers on the picture: where each was last */
 let panned = false;        /* a drag has moved the picture: its end is no click */
 
-/* Moves and scales the frame, so that it covers its place. */
+const both_frames = () => [element("frame"), element("frame-2")];
+
+/* Returns a length of the frame, "width" or "height", in which the picture fits. */
+const frame_size = name => parseFloat(getComputedStyle(element("frame"))[name]);
+
+/* Returns the width of a pixel of the picture, in pixels of the page. */
+const pixel_size = () => frame_size("width") * zoom.scale / shape.width;
+
+/* Moves and scales the frames, so that they cover their places. A picture that is smaller stands in the middle. */
 function show_zoom() {
-  const {offsetWidth: width, offsetHeight: height} = element("frame");
-  zoom.x = clamp(zoom.x, width * (1 - zoom.scale), 0);
-  zoom.y = clamp(zoom.y, height * (1 - zoom.scale), 0);
-  for (const frame of [element("frame"), element("frame-2")].filter(one => one))
-    frame.style.transform = `translate(${zoom.x}px, ${zoom.y}px) scale(${zoom.scale})`;
-  for (const cross of document.querySelectorAll("#cross, #cross-2")) cross.style.transform = `scale(${1 / zoom.scale})`;
-  canvas.style.touchAction = zoom.scale > 1 ? "none" : "";
+  const {scale} = zoom;
+  const placed = (at, length) => scale > 1 ? clamp(at, length * (1 - scale), 0) : length * (1 - scale) / 2;
+  Object.assign(zoom, {x: placed(zoom.x, frame_size("width")), y: placed(zoom.y, frame_size("height"))});
+  const whole = value => `${Math.round(value)}px`; /* so that 1:1 is not blurred */
+  for (const {style} of both_frames())
+    for (const [name, value] of [["--x", whole(zoom.x)], ["--y", whole(zoom.y)], ["--zoom", scale]]) style.setProperty(name, value);
+  document.body.classList.toggle("enlarged", scale > 1);
+  canvas.style.touchAction = scale > 1 ? "none" : "";
+  set_text("zoom-figure", with_decimals(0).format(100 * pixel_size()) + "\u00a0%");
   choose_scaling();
+  if (is_live()) show_handles(); /* they keep their size */
 }
 
-/* Zooms by a factor; the point under the pointer stays where it is. */
+/* Zooms by a factor, at most to fit or to 1:1, whichever is smaller. The point at x, y in the window stays where it is. */
 function zoom_at(x, y, factor) {
   const box = element("frame").getBoundingClientRect(), before = zoom.scale;
-  zoom.scale = clamp(before * factor, 1, MOST_ZOOM);
+  zoom.scale = clamp(before * factor, Math.min(1, before / pixel_size()), MOST_ZOOM);
   zoom.x += (x - box.left) * (1 - zoom.scale / before);
   zoom.y += (y - box.top) * (1 - zoom.scale / before);
   show_zoom();
 }
 
-function zoom_by_wheel(event) {
-  if (is_live()) return;
+/* Shows pixels so large. The cross stays where it is; if it is out of sight, the border that is next to it does. */
+function zoom_to(size) {
+  const cross = element("cross").getBoundingClientRect(), place = element("frame").parentElement.getBoundingClientRect();
+  zoom_at(clamp(cross.left + cross.width / 2, place.left, place.right), clamp(cross.top + cross.height / 2, place.top, place.bottom),
+    size / pixel_size());
+}
+
+function fit_picture() {
+  zoom.scale = 1;
+  show_zoom();
+}
+
+/* To the next power of two: pixels of the picture then are whole pixels of the page, from 1:1 on. */
+const zoom_in = () => zoom_to(2 ** (Math.floor(Math.log2(pixel_size()) + 0.01) + 1));
+const zoom_out = () => zoom_to(2 ** (Math.ceil(Math.log2(pixel_size()) - 0.01) - 1));
+
+const ZOOM_KEYS = {"0": fit_picture, "1": () => zoom_to(1), "+": zoom_in, "=": zoom_in, "-": zoom_out};
+
+function zoom_by_key(event) {
+  const act = !(is_live() && /[-+=]/.test(event.key)) && ZOOM_KEYS[event.key];
+  if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();
+  act();
+}
+
+/* The wheel scrolls the page as long as the picture fits. */
+function zoom_by_wheel(event) {
+  if (!event.ctrlKey && (is_live() || zoom.scale <= 1)) return;
+  event.preventDefault();
+  event.stopPropagation(); /* a live page's camera stays */
   zoom_at(event.clientX, event.clientY, 2 ** (-event.deltaY * (event.deltaMode === 1 ? 16 : 1) / 240));
+}
+
+/* Shifts an enlarged picture, so that the cross and its pixel are in sight. */
+function show_cross() {
+  const margin = Math.max(12, pixel_size() / 2);
+  const shifted = (at, place, length) => length > 2 * margin ? clamp(at, margin - place, length - margin - place) : length / 2 - place;
+  zoom.x = shifted(zoom.x, (cursor.x + 0.5) * pixel_size(), frame_size("width"));
+  zoom.y = shifted(zoom.y, (cursor.y + 0.5) * pixel_size(), frame_size("height"));
+  show_zoom();
 }
 
 /* Follows one pointer, which shifts a picture that is zoomed in, or two, which zoom. */
@@ -367,7 +416,11 @@ function follow_finger(event) {
 
 function listen_to_zoom() {
   const leave = event => fingers.delete(event.pointerId);
-  canvas.addEventListener("wheel", zoom_by_wheel, {passive: false});
+  element("frame").addEventListener("wheel", zoom_by_wheel, {passive: false, capture: true});
+  canvas.addEventListener("keydown", zoom_by_key);
+  for (const [id, act] of [["fit", fit_picture], ["one-to-one", ZOOM_KEYS[1]], ["reduce", zoom_out], ["enlarge", zoom_in]])
+    element(id).addEventListener("click", act);
+  new ResizeObserver(() => { if (shape) show_zoom(); }).observe(element("frame")); /* a stack is read later */
   canvas.addEventListener("pointerdown", event => {
     if (fingers.size === 0) panned = false;
     fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
@@ -378,8 +431,8 @@ function listen_to_zoom() {
 
 /* Shows an enlarged picture without smoothing, so that pixels keep their colours. */
 function choose_scaling() {
-  const enlarged = canvas.clientWidth * zoom.scale * devicePixelRatio / shape.width;
-  canvas.style.imageRendering = enlarged >= 1.5 ? "pixelated" : "auto";
+  for (const one of [canvas, element("picture-2")])
+    one.style.imageRendering = pixel_size() * devicePixelRatio >= 1.5 ? "pixelated" : "auto";
 }
 
 /* Finds for each visible object the pixel that reflects most, without highlights. */
@@ -483,6 +536,7 @@ const is_stack = () => document.body.classList.contains("stack");
 function listen() {
   element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : is_stack() || redraw_soon());
   element("controls").addEventListener("reset", () => setTimeout(is_live() ? reset_live : is_stack() ? redraw_stack : redraw_soon));
+  element("controls").addEventListener("reset", fit_picture);
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
@@ -495,14 +549,17 @@ function listen() {
   element("save-values").addEventListener("click", () =>
     save(new Blob([values_csv(is_stack() ? stack_curves() : curves_at(pixel))], {type: "text/csv"}), ".csv"));
   new ResizeObserver(show_pixel).observe(element("chart"));
-  addEventListener("resize", choose_scaling);
 }
 
 /* Fits the page to a picture's shape. */
 function fit_frame() {
-  element("frame").style.setProperty("--width", `${Math.max(shape.width, 300)}px`);
-  element("frame").style.setProperty("--aspect", shape.width / shape.height);
+  if (element("frame").style.getPropertyValue("--width") !== `${shape.width}px`) zoom.scale = 1;
+  for (const {style} of both_frames()) {
+    style.setProperty("--width", `${shape.width}px`);
+    style.setProperty("--aspect", shape.width / shape.height);
+  }
   if (!cursor) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+  show_zoom();
 }
 
 function show_names() {
