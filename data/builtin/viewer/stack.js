@@ -275,7 +275,6 @@ function show_stack_facts({outside}) {
 /* ---- spectra ---- */
 
 const kept_spectra = []; /* {name, values, spread} */
-const KEPT_STYLES = ["kept", "diffuse", "emission", "excitation", "light", "light second"];
 let hovered = null; /* the pixel under the pointer */
 let region = null;  /* {kind, points, statistics, n} */
 
@@ -288,10 +287,10 @@ function stack_curves() {
       {name: "mean − spread", style: "specular", values: mean.map((value, i) => Math.max(0, value - spread[i]))});
   } else curves.push({name: pixel_text(pixel), style: "radiance", values: stack_spectrum(pixel)});
   if (hovered !== null && hovered !== pixel)
-    curves.push({name: "under the pointer", style: "light dashed", values: stack_spectrum(hovered)});
+    curves.push({name: "under the pointer", style: "kept", values: stack_spectrum(hovered)});
   if (beside) curves.push({name: `${beside.facts.stack}, ${pixel_text(pixel)}`, style: "fluorescence",
     values: Float64Array.from(beside.pages, page => page[pixel] * beside.unit)});
-  kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
+  kept_spectra.forEach(({name, values}, i) => curves.push({name, style: "numbered", look: look_of(i), values}));
   return eye.detector ? curves.concat(detector_curves()) : curves;
 }
 

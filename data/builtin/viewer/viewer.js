@@ -183,15 +183,14 @@ const object_name = surface => surface === 0 ? "background"
 
 /* Returns the curves of the lights. Lights of the same illuminant and intensity share a curve. */
 function light_curves() {
-  const styles = ["light", "light second", "light third"], alike = new Map();
-  const style_of = i => styles[i % 3] + (i % 6 < 3 ? "" : " dashed");
+  const alike = new Map();
   for (const [kind, name] of [["ambients", "ambient"], ["lights", "light"]])
     sources[kind].forEach(({illuminant, intensity}, i) => {
       const key = `${illuminant} ${intensity}`;
       if (intensity > 0 && !alike.has(key)) alike.set(key, {illuminant, intensity, names: []});
       if (intensity > 0) alike.get(key).names.push(name + number_of(kind, i));
     });
-  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: style_of(i), axis: "light",
+  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: "numbered light", look: look_of(i), axis: "light",
     name: `${names.join(", ")} (${scene.illuminants[illuminant].name})`,
     values: radiance_of({illuminant}).map(value => intensity * value)}));
 }

@@ -681,6 +681,20 @@ def plot():
           radiance, seen["radiance"])
     check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1],
           "a larger radiance is higher in the plot")
+    missed = browser.evaluate("""(() => {
+        const svg = document.querySelector("#chart svg"), drawn = curves_at(pixel).filter(curve => !is_hidden(curve)), frame = plot_frame(drawn);
+        const box = svg.getBoundingClientRect(), scale = box.width / frame.width, missed = [];
+        const place_of = ({axis, values}, i) => frame.y_of[axis || "radiance"](values[i]);
+        for (const curve of drawn)
+            scene.wavelengths.forEach((nm, i) => {
+                svg.dispatchEvent(new PointerEvent("pointermove", {clientX: box.left + scale * frame.x(nm), clientY: box.top + scale * place_of(curve, i)}));
+                const said = element("at-cursor").textContent, named = drawn.find(({name}) => said.startsWith(`${nm} nm, ${name}: `));
+                if (!named || Math.abs(place_of(named, i) - place_of(curve, i)) > 1e-6 || Math.abs(Number(said.split(": ").pop()) / (named.values[i] || 1) - 1) > 1e-3 && named.values[i] !== 0)
+                    missed.push(said);
+            });
+        return [drawn.length, missed];
+    })()""")
+    check(missed[0] >= 4 and not missed[1], "on each curve, at each wavelength, the plot shows its name and value", missed)
     drawn = "document.querySelectorAll('#chart .curve').length"
     before = browser.evaluate(drawn)
     browser.evaluate("document.querySelector('#curves input').click()")
@@ -689,6 +703,30 @@ def plot():
     observed = numbers()["XYZ"]
     browser.choose("detector", "dcs200-camera")
     check((numbers()["XYZ"] == observed).all(), "XYZ are those of the CIE 1931 observer even with a camera")
+
+
+def many_curves():
+    """Colours of curves never repeat; of ten those with the same dashes differ in lightness; all stand out of the page."""
+    looks = browser.evaluate("Array.from({length: 500}, (_, i) => look_of(i))")
+    hues = [look.split(";")[0] for look in looks]
+    check(len(set(hues)) == 500, "500 curves have 500 hues")
+    for scheme in ("light", "dark"):
+        browser.scheme(scheme)
+        shown = browser.evaluate("""Array.from({length: 10}, (_, i) => {
+            const path = draw_curve(document.querySelector("#chart svg"), {style: "numbered", look: look_of(i)}, "M0 0"), {stroke, strokeDasharray} = getComputedStyle(path);
+            const context = new OffscreenCanvas(1, 1).getContext("2d");
+            path.remove();
+            context.fillStyle = stroke;
+            context.fillRect(0, 0, 1, 1);
+            return [`rgb(${[...context.getImageData(0, 0, 1, 1).data.slice(0, 3)]})`, strokeDasharray];
+        })""")
+        paper = relative_luminance(browser.evaluate("getComputedStyle(element('spectrum')).backgroundColor"))
+        ratio = lambda a, b: (max(a, b) + 0.05) / (min(a, b) + 0.05)
+        bright = [relative_luminance(colour) for colour, _ in shown]
+        check(min(ratio(one, paper) for one in bright) >= 3, f"{scheme}: they stand out of the page", shown)
+        pairs = [ratio(bright[i], bright[j]) for i in range(10) for j in range(i) if shown[i][1] == shown[j][1]]
+        check(len(pairs) == 5 and min(pairs) > 1.7, f"{scheme}: of ten curves those of one dash pattern differ in lightness", pairs)
+    browser.scheme("light")
 
 
 def slider():
@@ -755,6 +793,7 @@ def main():
     check(not browser.complaints, "the console stays empty for strange scenes, too", *browser.complaints)
     small()
     plot()
+    many_curves()
     slider()
     troubles()
     inside = ("file://" + os.path.abspath(TMP), "blob:", "data:")
