@@ -668,7 +668,7 @@ async function first_picture(link) {
   fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
   choose_scaling();
-  if (!link && pixel !== null) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+  if (!link && pixel !== null) cursor = first_place();
   listen_to_object();
   listen_to_camera();
   listen_to_drags();

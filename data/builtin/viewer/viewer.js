@@ -9,6 +9,17 @@ function fill_select(select, names, selected) {
   names.forEach((name, i) => select.add(new Option(name, i, i === selected, i === selected)));
 }
 
+const numeric_order = new Intl.Collator("en", {numeric: true});
+
+/* Fills a menu with lamps, f2 before f10. Equal energy has two names, 1 and e: where the scene has 1, e is left out. */
+function fill_lamps(select, selected) {
+  const used = i => SOURCES.some(([kind]) => scene[kind].some(({illuminant}) => illuminant === i));
+  const lamps = scene.illuminants.map(({name}, i) => ({name, i})).sort((a, b) => numeric_order.compare(a.name, b.name));
+  const twice = ({name, i}) => name === "e" && !used(i) && lamps.some(other => other.name === "1");
+  for (const {name, i} of lamps.filter(lamp => !twice(lamp)))
+    select.add(new Option(/^[1e]$/.test(name) ? `${name} (equal energy)` : name, i, i === selected, i === selected));
+}
+
 const SOURCES = [["ambients", "Ambient"], ["lights", "Light"]];
 const FEW_SOURCES = 3;
 
@@ -42,8 +53,7 @@ function add_source(name, id, source) {
       aria-label="Intensity of ${name}, as a number"></div>`;
   place_of_source(id).append(row);
   const slider = element(id + "-slider"), number = element(id + "-intensity");
-  fill_select(element(id), scene.illuminants.map(({name}) => name === "1" ? "1 (equal energy)" : name),
-    source.illuminant);
+  fill_lamps(element(id), source.illuminant);
   slider.max = Math.max(1, 2 * source.intensity);
   slider.defaultValue = number.defaultValue = source.intensity;
   slider.addEventListener("input", () => number.value = slider.value);
@@ -171,15 +181,25 @@ function command_lines() {
 /* ---- the picked pixel ---- */
 
 let cursor = null;
-let pixel = null; /* the picked pixel */
-let kept = null;  /* {name, radiance, white}: a pixel for comparison, and the white of its light */
+let pixel = null;   /* the picked pixel */
+let hovered = null; /* the pixel under the pointer */
+let kept = null;    /* {name, radiance, white}: a pixel for comparison, and the white of its light */
 const hidden = new Set(); /* names of curves that are not drawn */
 
 /* XYZ needs an observer: a camera has no tristimulus values. */
 const observer = () => eye.detector && eye.detector.observer ? eye.detector : standard_observer;
 
-const object_name = surface => surface === 0 ? "background"
-  : `${surface}. ${scene.objects[surface - 1].name} (${scene.objects[surface - 1].shape})`;
+function object_name(surface) {
+  if (surface === 0) return "background";
+  const {name, shape, half} = scene.objects[surface - 1];
+  return `${surface}. ${name}${half ? `, ${half} half` : ""} (${shape})`;
+}
+
+/* Returns the number of the other half of an object of two metameric halves; 0: there is none. */
+function other_half(surface) {
+  const {half} = scene.objects[surface - 1] || {};
+  return half === "left" ? surface + 1 : half === "right" ? surface - 1 : 0;
+}
 
 /* Returns the curves of the lights. Lights of the same illuminant and intensity share a curve. */
 function light_curves() {
@@ -208,6 +228,7 @@ function curves_at(pixel) {
   const material = shown[pixel] > 0 ? material_of(shown[pixel]) : {};
   const named = [["diffuse", "reflectance"], ["specular", "specular reflectance"],
     ["excitation", "excitation"], ["emission", "emission"]];
+  if (is_hovered()) curves.push({name: "under the pointer", style: "hovered", values: radiance_at(hovered, sources, terms_of)});
   if (kept) curves.push({name: kept.name, style: "kept", values: kept.radiance});
   if (material.luminescence)
     curves.push({name: "fluorescence", style: "fluorescence",
@@ -216,6 +237,8 @@ function curves_at(pixel) {
   if (material.glow) curves.push({name: "own light", style: "glow", values: material.glow});
   for (const [style, name] of named)
     if (material[style]) curves.push({name, style, values: material[style], axis: "relative"});
+  const other = other_half(shown[pixel]), {diffuse} = other ? material_of(other) : {};
+  if (diffuse) curves.push({name: `reflectance of the ${scene.objects[other - 1].half} half`, style: "partner", values: diffuse, axis: "relative"});
   return curves.concat(detector_curves());
 }
 
@@ -263,11 +286,14 @@ function show_numbers(rows) {
 
 /* ---- picking ---- */
 
+const pixel_words = pixel => is_stack() ? stack_pixel_words(pixel) : `pixel ${place_of(pixel).join(", ")}: ${object_name(shown[pixel])}`;
+const sentence = words => words[0].toUpperCase() + words.slice(1);
+
 function show_pixel() {
   if (is_stack()) return show_stack_pixel();
   if (pixel === null || pixel >= n_pixels) return;
-  const curves = curves_at(pixel), surface = shown[pixel];
-  set_text("picked", `Pixel ${place_of(pixel).join(", ")}: ${object_name(surface)}`);
+  const curves = curves_at(pixel);
+  set_text("picked", sentence(pixel_words(pixel)));
   show_numbers(colour_rows(curves[0].values).concat(element("scene-view").value === "detector" ? channel_rows() : []));
   show_plot(curves);
   show_legend(curves);
@@ -306,12 +332,26 @@ function pick_by_key(event) {
   event.preventDefault();
 }
 
-/* A click has the corner of a screen pixel. Its middle is meant. */
-function pick_by_pointer(event) {
-  if (panned) return;
+/* Returns where in the picture the pointer is, in pixels. A click has the corner of a screen pixel. Its middle is meant. */
+function place_under({clientX, clientY}) {
   const box = canvas.getBoundingClientRect();
-  choose(Math.floor((event.clientX + 0.5 - box.left) / box.width * shape.width),
-    Math.floor((event.clientY + 0.5 - box.top) / box.height * shape.height));
+  return [(clientX + 0.5 - box.left) / box.width * shape.width, (clientY + 0.5 - box.top) / box.height * shape.height];
+}
+
+function pick_by_pointer(event) {
+  if (!panned) choose(...place_under(event).map(Math.floor));
+}
+
+const is_hovered = () => hovered !== null && hovered !== pixel && hovered < n_pixels;
+
+/* Shows the spectrum of the pixel under the pointer beside that of the picked one, unless the pointer drags something. */
+function hover(event) {
+  const [x, y] = place_under(event).map(Math.floor), before = hovered;
+  const inside = event.type !== "pointerleave" && event.buttons === 0 && x >= 0 && y >= 0 && x < shape.width && y < shape.height;
+  hovered = inside ? y * shape.width + x : null;
+  if (hovered === before || pixel === null) return;
+  set_text("at-cursor", inside ? `Under the pointer: ${pixel_words(hovered)}` : "");
+  show_pixel();
 }
 
 /* ---- zooming; in a live page a drag, the plain wheel, fingers, + and - move the camera instead ---- */
@@ -434,6 +474,32 @@ function choose_scaling() {
     one.style.imageRendering = pixel_size() * devicePixelRatio >= 1.5 ? "pixelated" : "auto";
 }
 
+/* Returns the objects that are seen: {surface, n: pixels, x, y: the sums of their places, beside: its neighbours}. */
+function seen_objects() {
+  const seen = new Map();
+  shown.forEach((surface, i) => {
+    const [x, y] = place_of(i);
+    if (!seen.has(surface)) seen.set(surface, {surface, n: 0, x: 0, y: 0, beside: new Set()});
+    const one = seen.get(surface);
+    Object.assign(one, {n: one.n + 1, x: one.x + x, y: one.y + y});
+    for (const other of [x > 0 ? shown[i - 1] : surface, y > 0 ? shown[i - shape.width] : surface])
+      if (other !== surface) { one.beside.add(other); seen.get(other).beside.add(surface); }
+  });
+  return [...seen.values()];
+}
+
+/* Returns the place that a page opens with: in the middle of the object with the most pixels that is not behind all others. The
+ * background is; without it the object with the most neighbours, if they are half of all others, as a wall or a table has. */
+function first_place() {
+  const all = seen_objects(), neighbours = ({surface, beside}) => surface === 0 ? Infinity : beside.size;
+  const behind = all.reduce((most, one) => (neighbours(one) - neighbours(most) || one.n - most.n) > 0 ? one : most);
+  const before = all.filter(one => one !== behind || 2 * neighbours(one) < all.length - 1);
+  const {surface, n, x, y} = (before.length > 0 ? before : all).reduce((most, one) => one.n > most.n ? one : most);
+  const apart = i => Math.hypot(place_of(i)[0] - x / n, place_of(i)[1] - y / n);
+  const nearest = shown.reduce((best, one, i) => one === surface && (best < 0 || apart(i) < apart(best)) ? i : best, -1);
+  return {x: place_of(nearest)[0], y: place_of(nearest)[1]};
+}
+
 /* Finds for each visible object the pixel that reflects most, without highlights. */
 function best_pixels() {
   const best = new Map();
@@ -539,6 +605,7 @@ function listen() {
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
+  for (const name of ["pointermove", "pointerleave"]) canvas.addEventListener(name, hover);
   listen_to_zoom();
   canvas.addEventListener("keydown", pick_by_key);
   element("values-shown").addEventListener("toggle", show_pixel);
@@ -557,7 +624,7 @@ function fit_frame() {
     style.setProperty("--width", `${shape.width}px`);
     style.setProperty("--aspect", shape.width / shape.height);
   }
-  if (!cursor) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+  if (!cursor) cursor = first_place();
   show_zoom();
 }
 

@@ -63,6 +63,7 @@ def eyes(browser, which, name, stack):
 def spectra(browser, which, stack):
     browser.open(view(stack))
     values = values_of(stack)
+    check("white" in browser.text("picked"), f"{which}: the page opens with an object before the background", browser.text("picked"))
     browser.click(*browser.at(20.5, 10.5))
     seen = np.array(browser.evaluate("[...stack_curves()[0].values]"))
     check(np.allclose(seen, values[:, 10, 20], rtol=1e-12, atol=0), f"{which}: a click shows the spectrum of the file",

@@ -105,7 +105,7 @@ COMBINATIONS = {
     "fluorescence": [
         ({1: "uv*1"}, []),
         ({1: "a*0.6", "ambient": "uv*0.8"}, ["--detector=dcs200-camera"]),
-        ({1: "1*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
+        ({1: "e*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
         ({1: "led-b5*0.7", "ambient": "f11*0.2"}, ["--adaptation=cat16"]),
     ],
     "metamers": [
@@ -114,11 +114,15 @@ COMBINATIONS = {
     ],
     "room": [
         ({}, []),
-        ({"ambient": "1*0.1", 1: "d65*0", 2: "uv*0.5", 3: "a*1"},
+        ({"ambient": "e*0.1", 1: "d65*0", 2: "uv*0.5", 3: "a*1"},
          ["--adaptation=bradford", "--detector=cie2006-10"]),
         ({2: "fluorescent*0.4"}, ["--detector=transparency-film", "--exposure=1.5"]),
     ],
 }
+
+
+# The object that a page opens with: it has the most pixels, but for one behind all others.
+OPENS = {"colorchecker": "01-dark-skin (torus)", "fluorescence": "white, ", "metamers": "half (", "room": "rug (mesh)"}
 
 
 def set_lights(lights):
@@ -150,6 +154,8 @@ def light_options(lights):
 def menus(scene):
     what_kind = "still" if kind == [PROGRAM] else "live"
     browser.open(view(scene, scene))
+    picked, surface, colour = browser.evaluate("[element('picked').textContent, shown[pixel], element('objects').value]")
+    check(OPENS[scene] in picked and str(surface) == colour, f"{what_kind} {scene}: opens with {OPENS[scene]}", picked)
     for lights, options in COMBINATIONS[scene]:
         browser.evaluate("controls.reset()")
         browser.settle()
@@ -338,6 +344,19 @@ def all_offered():
         check(offered and offered <= used | {default}, f"every {menu} was tried", offered - used)
 
 
+def lamps():
+    """Menus have lamps in the order of people, and equal energy once, also where the scene says 1."""
+    order = lambda name: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name)]
+    scene = write("one.scene", "camera ortho 3\nambient 1 0.5\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m\n")
+    for subject, equal in (("metamers", "e (equal energy)"), (scene, "1 (equal energy)")):
+        browser.open(view(subject, "lamps"))
+        offered = browser.evaluate("[...element('ambients-1').options].map(({text}) => text)")
+        check(offered.index("f9") == offered.index("f8") + 1 < offered.index("f10") and offered == sorted(offered, key=order),
+              f"{equal}: f9 stands between f8 and f10", offered)
+        radiances = browser.evaluate("[...element('ambients-1').options].map(({value}) => [...scene.illuminants[value].radiance].join())")
+        check(len(set(radiances)) == len(radiances) > 20 and equal in offered, f"{equal}: no two lamps of a menu are the same", offered)
+
+
 # ---- pixels and their spectra ----
 
 def click_pixel(x, y):
@@ -449,6 +468,15 @@ def metamers():
     browser.choose("lights-1", "a")
     apart, _, _ = difference((left, y), (left + 1, y))
     check(alike < 2 and apart > 5, "halves that match under D65 differ under A", alike, apart)
+    own, other = {}, {}
+    for name in browser.evaluate("[...objects.options].map(({text}) => text).filter(text => text.includes('half'))"):
+        browser.choose("objects", name.split(" ")[0])
+        seen, side = values(), re.search("(left|right) half", name)[1]
+        partner = {"left": "right", "right": "left"}[side]
+        pair = name.split(". ")[1].replace(side, "%s")
+        own[pair % side], other[pair % partner] = seen["reflectance"], seen[f"reflectance of the {partner} half"]
+    check(len(own) == 24 and own.keys() == other.keys() and all((own[name] == other[name]).all() for name in own),
+          "the plot of each half has the reflectance of the other one, too", sorted(own))
 
 
 def means():
@@ -510,6 +538,7 @@ def keyboard():
     browser.open(view("colorchecker", "colorchecker"))
     browser.evaluate("document.activeElement.blur()")
     check(tab_to("picture") and outlined(), "the keyboard reaches the picture, which shows that it has the focus")
+    browser.evaluate("move_cursor(60, 40)")
     for _ in range(3):
         browser.key("ArrowLeft", shift=True)
     for key in ("ArrowRight", "ArrowUp", "ArrowUp", "ArrowDown", "Enter"):
@@ -695,6 +724,12 @@ def plot():
         return [drawn.length, missed];
     })()""")
     check(missed[0] >= 4 and not missed[1], "on each curve, at each wavelength, the plot shows its name and value", missed)
+    browser.pointer("mouseMoved", *browser.at(60.5, 40.5), 0)
+    browser.settle()
+    said, under = browser.text("at-cursor"), values()["under the pointer"]
+    click_pixel(60, 40)
+    check(said == "Under the pointer: p" + browser.text("picked")[1:] and (values()["radiance"] == under).all(),
+          "the pixel under the pointer has its name and its spectrum before it is picked", said)
     drawn = "document.querySelectorAll('#chart .curve').length"
     before = browser.evaluate(drawn)
     browser.evaluate("document.querySelector('#curves input').click()")
@@ -774,8 +809,9 @@ def main():
     stills()
     own_display()
     all_offered()
+    lamps()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
-    spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], {2: "uv*0.9", "ambient": "1*0.3"})
+    spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], {2: "uv*0.9", "ambient": "e*0.3"})
     causes()
     metamers()
     command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
