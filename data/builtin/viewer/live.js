@@ -14,7 +14,7 @@ function count_frame({width}) {
   const now = performance.now();
   frames.push(now);
   while (frames.length > 1 && now - frames[0] > 1000) frames.shift();
-  set_text("progress", `${frames.length} pictures a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
+  set_text("progress", `${frames.length} ${frames.length === 1 ? "picture" : "pictures"} a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
 }
 
 function show_whole(answer, of) {

@@ -199,6 +199,8 @@ function show_beside() {
   for (const option of document.querySelectorAll(".of-two")) option.disabled = !beside;
   element("opens-beside").checked = false;
   document.body.classList.toggle("beside", Boolean(beside));
+  set_text("caption", stack.facts.stack);
+  set_text("caption-2", beside ? beside.facts.stack : "");
   if (!beside && element("stack-view").value.startsWith("beside")) element("stack-view").value = "detector";
   redraw_stack();
 }
@@ -433,7 +435,7 @@ function open_stack(opened) {
   white = white_of_stack(stack);
   kept_spectra.length = 0;
   region = hovered = null;
-  if (!element("kept-title").hidden) keep_picture(); /* that of a scene goes away */
+  if (!element("frame-2").hidden) keep_picture(); /* that of a scene goes away */
   document.body.classList.add("stack");
   document.body.classList.remove("live");
   show_names();

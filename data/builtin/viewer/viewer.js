@@ -108,7 +108,7 @@ const with_decimals = digits => new Intl.NumberFormat(undefined,
 const with_digits = digits => new Intl.NumberFormat(undefined,
   {minimumSignificantDigits: digits, maximumSignificantDigits: digits, useGrouping: false});
 const short_number = new Intl.NumberFormat(undefined, {maximumSignificantDigits: 12, useGrouping: false});
-const percent = part => with_decimals(part > 0 && part < 0.01 ? 2 : 1).format(100 * part) + "\u00a0%";
+const percent = part => with_decimals(2).format(100 * part) + "\u00a0%";
 const figures = (values, digits) => Array.from(values, value => with_decimals(digits).format(value).replace("-", "−"));
 
 function show_message(text) {
@@ -120,7 +120,8 @@ function show_title() {
   const lights = sources.ambients.concat(sources.lights).filter(({intensity}) => intensity > 0);
   const names = [...new Set(lights.map(({illuminant}) => scene.illuminants[illuminant].name))];
   const under = names.join(", ") || "no light";
-  document.title = `${scene.scene} under ${under}, seen by ${eye.detector.name} – spectral`;
+  set_text("caption", `${scene.scene} under ${under}, seen by ${eye.detector.name}`);
+  document.title = `${element("caption").textContent} – spectral`;
 }
 
 function show_facts(outside) {
@@ -542,25 +543,25 @@ function show_picture({width, height, data}) {
   element("first")?.remove();
 }
 
-/* Shows the colours of a map below it, with the least value, the middle one and the largest; null: there is no map. */
+/* Shows the colours of a map below it, with values at even steps up to the largest; null: there is no map. */
 function show_map_legend(largest, unit) {
   const legend = element("map-legend"), value = part => with_digits(4).format(part * largest);
   legend.hidden = largest === null;
   if (largest === null) return;
   legend.style.background = `linear-gradient(to right, ${RAMP.map(rgb => `rgb(${rgb})`).join()}) no-repeat 0 0 / 100% 0.9rem`;
-  legend.replaceChildren(...["0", value(0.5), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
+  legend.replaceChildren(...["0", ...[0.25, 0.5, 0.75].map(value), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
 }
 
 /* Keeps a copy of the picture beside the one that goes on changing, or takes it away. */
 function keep_picture() {
   const second = element("picture-2"), keeps = element("frame-2").hidden;
-  element("frame-2").hidden = element("kept-title").hidden = !keeps;
+  element("frame-2").hidden = !keeps;
   document.body.classList.toggle("beside", keeps);
   set_text("keep-picture", keeps ? "Take the kept picture away" : "Keep the picture beside");
   if (!keeps) return;
   Object.assign(second, {width: canvas.width, height: canvas.height});
   second.getContext("2d").drawImage(canvas, 0, 0);
-  set_text("kept-title", `On the right: ${document.title.replace(/ – spectral$/, "")}.`);
+  set_text("caption-2", element("caption").textContent);
 }
 
 /* Shows a painted picture, with its facts. */

@@ -85,8 +85,8 @@ def spectra(browser, which, stack):
     difference = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
     legend = browser.evaluate("(() => { const {hidden, style, children} = element('map-legend');"
                               " return [hidden, style.background, ...[...children].map(({textContent}) => textContent)]; })()")
-    check(not legend[0] and "gradient" in legend[1] and legend[2] == "0" and legend[4].endswith("CIEDE2000") and
-          abs(float(legend[4].split()[0]) - difference.max()) < 1e-3 * difference.max(), f"{which}: a legend below a map has its colours and values", legend)
+    check(not legend[0] and "gradient" in legend[1] and legend[2] == "0" and legend[6].endswith("CIEDE2000") and
+          abs(float(legend[6].split()[0]) - difference.max()) < 1e-3 * difference.max(), f"{which}: a legend below a map has its colours and values", legend)
     check(difference[10, 20] < 1e-9 and difference.max() > 10, f"{which}: the map of CIEDE2000 is 0 where the spectrum was kept",
           difference[10, 20])
     browser.evaluate("document.querySelector('#kept-list button').click()")
@@ -121,6 +121,8 @@ def cube(browser, which, stack, values):
     check(statistics[2] == region.shape[1] and np.allclose(statistics[0], region.mean(1), rtol=1e-9) and
           np.allclose(statistics[1], region.std(1), rtol=1e-6, atol=1e-9), f"{which}: mean and spread of a rectangle are numpy's",
           statistics[2], region.shape[1])
+    named = browser.evaluate("[...document.querySelectorAll('#region label')].map(label => label.innerText.trim())")
+    check(named == ["Left", "Top", "Width", "Height"], f"{which}: the boxes of a region have names that are seen", named)
     for field, value in zip("xywh", (3, 4, 5, 6)):
         browser.put("region-" + field, value)
     mean = browser.evaluate("[...region.statistics.mean]")
