@@ -14,7 +14,7 @@ function count_frame({width}) {
   const now = performance.now();
   frames.push(now);
   while (frames.length > 1 && now - frames[0] > 1000) frames.shift();
-  set_text("progress", `${frames.length} pictures a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
+  set_text("progress", `${frames.length} ${frames.length === 1 ? "picture" : "pictures"} a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
 }
 
 function show_whole(answer, of) {
@@ -668,7 +668,7 @@ async function first_picture(link) {
   fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
   choose_scaling();
-  if (!link && pixel !== null) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+  if (!link && pixel !== null) cursor = first_place();
   listen_to_object();
   listen_to_camera();
   listen_to_drags();

@@ -13,6 +13,17 @@ function draw(parent, name, attributes, text) {
   return node;
 }
 
+/* Dash patterns: each differs from that of the curve before. */
+const DASHES = ["none", "14 4", "2 3", "9 3 2 3", "5 5"];
+
+/* Returns how a curve is drawn, by its number among those of its kind. Hues never repeat: each is a golden section of the circle
+ * away from the one before. Of the first ten, those with the same dashes differ in lightness, too: a reader who sees no hues can
+ * follow them. */
+const look_of = i => `--hue: ${(55 + 137.508 * i) % 360}; --bright: ${Math.floor(i / DASHES.length) % 2}; stroke-dasharray: ${DASHES[i % DASHES.length]}`;
+
+/* Draws a line as that of a curve. */
+const draw_curve = (parent, {style, look}, d) => draw(parent, "path", {class: `curve ${style}`, ...(look && {style: look}), d});
+
 /* Returns the least step of 1, 2 or 5 times a power of ten with at most `most` steps in a range. */
 function tick_step(range, most) {
   const power = 10 ** Math.floor(Math.log10(range / most));
@@ -104,32 +115,37 @@ function show_plot(curves) {
     role: "img", "aria-label": `Plot over wavelength of ${shown.map(({name}) => name).join(", ")}`});
   draw_visible(svg, frame);
   draw_axes(svg, frame);
-  for (const curve of shown.slice().reverse())
-    draw(svg, "path", {class: `curve ${curve.style}`, d: curve_path(curve, frame)});
-  svg.addEventListener("pointermove", event => show_values_at(event, svg, shown, frame));
-  svg.addEventListener("pointerleave", () => { set_text("at-cursor", ""); svg.querySelector(".cursor")?.remove(); });
+  for (const curve of shown.slice().reverse()) draw_curve(svg, curve, curve_path(curve, frame));
+  const marks = draw(svg, "g", {});
+  svg.addEventListener("pointermove", event => show_value_at(event, marks, shown, frame));
+  svg.addEventListener("pointerleave", () => { set_text("at-cursor", ""); marks.replaceChildren(); });
   element("chart").replaceChildren(svg);
 }
 
-/* Shows the values of all curves at the wavelength nearest to the pointer. */
-function show_values_at(event, svg, shown, frame) {
-  const box = svg.getBoundingClientRect(), x = (event.clientX - box.left) / box.width * frame.width;
-  const nm = scene.wavelengths, apart = i => Math.abs(frame.x(nm[i]) - x);
-  const at = nm.reduce((best, _, i) => apart(i) < apart(best) ? i : best, 0);
-  svg.querySelector(".cursor")?.remove();
-  draw(svg, "path", {class: "cursor", d: `M${frame.x(nm[at])} ${frame.top}V${frame.bottom}`});
-  set_text("at-cursor", `${short_number.format(nm[at])} nm: ` +
-    shown.map(({name, values}) => `${name} ${with_digits(4).format(values[at])}`).join(", "));
+/* Shows the value of the curve nearest to the pointer, at the nearest wavelength. */
+function show_value_at(event, marks, shown, frame) {
+  const box = marks.ownerSVGElement.getBoundingClientRect(), scale = frame.width / box.width, nm = scene.wavelengths;
+  const x = (event.clientX - box.left) * scale, y = (event.clientY - box.top) * scale;
+  const nearest = (list, apart) => list.reduce((best, one, i) => apart(one, i) < apart(list[best], best) ? i : best, 0);
+  const at = nearest(nm, value => Math.abs(frame.x(value) - x)), y_of = ({axis, values}) => frame.y_of[axis || "radiance"](values[at]);
+  const curve = shown[nearest(shown, one => Math.abs(y_of(one) - y))];
+  marks.replaceChildren();
+  draw(marks, "path", {class: "cursor", d: `M${frame.x(nm[at])} ${frame.top}V${frame.bottom}`});
+  if (!curve) return;
+  draw_curve(marks, curve, curve_path(curve, frame)).classList.add("near");
+  draw(marks, "circle", {class: "cursor", cx: frame.x(nm[at]), cy: y_of(curve), r: 4});
+  set_text("at-cursor", `${short_number.format(nm[at])} nm, ${curve.name}: ${with_digits(4).format(curve.values[at])}`);
 }
 
 /* Returns whether a curve is switched off. Those that begin so are in the set when they are switched on. */
 const is_hidden = ({name, off}) => hidden.has(name) !== Boolean(off);
 
 function show_legend(curves) {
-  const key = curves.map(({name, style}) => name + style).join();
+  const key = curves.map(({name, style, look}) => name + style + look).join();
   if (element("curves").dataset.shown === key) return; /* so that a checkbox keeps its focus */
   element("curves").dataset.shown = key;
-  element("curves").replaceChildren(...curves.map(({name, style, off}) => {
+  element("curves").replaceChildren(...curves.map(curve => {
+    const {name, off} = curve;
     const [item, label, box] = ["li", "label", "input"].map(tag => document.createElement(tag));
     box.type = "checkbox";
     box.checked = !is_hidden({name, off});
@@ -138,8 +154,8 @@ function show_legend(curves) {
       show_pixel();
     });
     label.className = "check";
-    const sample = draw(label, "svg", {viewBox: "0 0 30 12", "aria-hidden": "true"});
-    draw(sample, "path", {class: `curve ${style}`, d: "M1 6H29"});
+    const sample = draw(label, "svg", {viewBox: "0 0 40 12", "aria-hidden": "true"});
+    draw_curve(sample, curve, "M1 6H39");
     label.prepend(box);
     label.append(name);
     item.append(label);

@@ -199,6 +199,8 @@ function show_beside() {
   for (const option of document.querySelectorAll(".of-two")) option.disabled = !beside;
   element("opens-beside").checked = false;
   document.body.classList.toggle("beside", Boolean(beside));
+  set_text("caption", stack.facts.stack);
+  set_text("caption-2", beside ? beside.facts.stack : "");
   if (!beside && element("stack-view").value.startsWith("beside")) element("stack-view").value = "detector";
   redraw_stack();
 }
@@ -275,8 +277,6 @@ function show_stack_facts({outside}) {
 /* ---- spectra ---- */
 
 const kept_spectra = []; /* {name, values, spread} */
-const KEPT_STYLES = ["kept", "diffuse", "emission", "excitation", "light", "light second"];
-let hovered = null; /* the pixel under the pointer */
 let region = null;  /* {kind, points, statistics, n} */
 
 function stack_curves() {
@@ -287,11 +287,10 @@ function stack_curves() {
       {name: "mean + spread", style: "specular", values: mean.map((value, i) => value + spread[i])},
       {name: "mean − spread", style: "specular", values: mean.map((value, i) => Math.max(0, value - spread[i]))});
   } else curves.push({name: pixel_text(pixel), style: "radiance", values: stack_spectrum(pixel)});
-  if (hovered !== null && hovered !== pixel)
-    curves.push({name: "under the pointer", style: "light dashed", values: stack_spectrum(hovered)});
+  if (is_hovered()) curves.push({name: "under the pointer", style: "hovered", values: stack_spectrum(hovered)});
   if (beside) curves.push({name: `${beside.facts.stack}, ${pixel_text(pixel)}`, style: "fluorescence",
     values: Float64Array.from(beside.pages, page => page[pixel] * beside.unit)});
-  kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
+  kept_spectra.forEach(({name, values}, i) => curves.push({name, style: "numbered", look: look_of(i), values}));
   return eye.detector ? curves.concat(detector_curves()) : curves;
 }
 
@@ -308,11 +307,15 @@ function stack_rows(values) {
   return rows;
 }
 
+function stack_pixel_words(pixel) {
+  const name = stack.facts.objects[shown[pixel] - 1];
+  return pixel_text(pixel) + (name ? `: ${shown[pixel]}. ${name}` : "") + (map ? `: ${with_digits(4).format(map.values[pixel])}` : "");
+}
+
 function show_stack_pixel() {
   if (pixel === null || pixel >= n_pixels) return;
-  const curves = stack_curves(), name = stack.facts.objects[shown[pixel] - 1];
-  set_text("picked", region ? `Region of ${region_text()}` : `P${pixel_text(pixel).slice(1)}${name ? ": " + name : ""}` +
-    (map ? `: ${with_digits(4).format(map.values[pixel])}` : ""));
+  const curves = stack_curves();
+  set_text("picked", sentence(region ? `region of ${region_text()}` : pixel_words(pixel)));
   show_numbers(stack_rows(curves[0].values));
   show_plot(curves);
   show_legend(curves);
@@ -343,11 +346,6 @@ function refresh_kept() {
 /* ---- pointing ---- */
 
 let drawn_region = []; /* the corners of the region that is being drawn, in pixels of the stack */
-
-const stack_place = event => {
-  const box = canvas.getBoundingClientRect();
-  return [(event.clientX + 0.5 - box.left) / box.width * shape.width, (event.clientY + 0.5 - box.top) / box.height * shape.height];
-};
 
 const pointing = () => document.querySelector("#pointing :checked").value;
 
@@ -388,22 +386,16 @@ function show_region() {
 
 function press_stack(event) {
   if (pointing() === "pick") return;
-  if (pointing() === "rectangle") drawn_region = [stack_place(event), stack_place(event)];
-  else drawn_region.push(stack_place(event));
+  if (pointing() === "rectangle") drawn_region = [place_under(event), place_under(event)];
+  else drawn_region.push(place_under(event));
   canvas.setPointerCapture(event.pointerId);
   show_region();
 }
 
 function move_stack(event) {
-  const [x, y] = stack_place(event).map(Math.floor);
-  const inside = x >= 0 && y >= 0 && x < shape.width && y < shape.height;
-  if (pointing() === "rectangle" && drawn_region.length > 0) {
-    drawn_region[1] = stack_place(event);
-    show_region();
-  } else if (inside && hovered !== y * shape.width + x) {
-    hovered = y * shape.width + x;
-    show_stack_pixel();
-  }
+  if (pointing() !== "rectangle" || drawn_region.length === 0) return;
+  drawn_region[1] = place_under(event);
+  show_region();
 }
 
 function release_stack() {
@@ -443,7 +435,7 @@ function open_stack(opened) {
   white = white_of_stack(stack);
   kept_spectra.length = 0;
   region = hovered = null;
-  if (!element("kept-title").hidden) keep_picture(); /* that of a scene goes away */
+  if (!element("frame-2").hidden) keep_picture(); /* that of a scene goes away */
   document.body.classList.add("stack");
   document.body.classList.remove("live");
   show_names();
@@ -468,7 +460,6 @@ function listen_to_stack() {
   canvas.addEventListener("pointerdown", event => { if (stack) press_stack(event); });
   canvas.addEventListener("pointermove", event => { if (stack) move_stack(event); });
   canvas.addEventListener("pointerup", () => { if (stack) release_stack(); });
-  canvas.addEventListener("pointerleave", () => { if (stack) { hovered = null; show_stack_pixel(); } });
   canvas.addEventListener("dblclick", () => { if (stack && drawn_region.length > 2) end_region("polygon", drawn_region); });
   for (const id of RECTANGLE) element(id).addEventListener("change", take_rectangle);
   element("close-beside").addEventListener("click", () => { beside = null; show_beside(); });

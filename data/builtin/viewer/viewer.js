@@ -9,6 +9,17 @@ function fill_select(select, names, selected) {
   names.forEach((name, i) => select.add(new Option(name, i, i === selected, i === selected)));
 }
 
+const numeric_order = new Intl.Collator("en", {numeric: true});
+
+/* Fills a menu with lamps, f2 before f10. Equal energy has two names, 1 and e: where the scene has 1, e is left out. */
+function fill_lamps(select, selected) {
+  const used = i => SOURCES.some(([kind]) => scene[kind].some(({illuminant}) => illuminant === i));
+  const lamps = scene.illuminants.map(({name}, i) => ({name, i})).sort((a, b) => numeric_order.compare(a.name, b.name));
+  const twice = ({name, i}) => name === "e" && !used(i) && lamps.some(other => other.name === "1");
+  for (const {name, i} of lamps.filter(lamp => !twice(lamp)))
+    select.add(new Option(/^[1e]$/.test(name) ? `${name} (equal energy)` : name, i, i === selected, i === selected));
+}
+
 const SOURCES = [["ambients", "Ambient"], ["lights", "Light"]];
 const FEW_SOURCES = 3;
 
@@ -42,8 +53,7 @@ function add_source(name, id, source) {
       aria-label="Intensity of ${name}, as a number"></div>`;
   place_of_source(id).append(row);
   const slider = element(id + "-slider"), number = element(id + "-intensity");
-  fill_select(element(id), scene.illuminants.map(({name}) => name === "1" ? "1 (equal energy)" : name),
-    source.illuminant);
+  fill_lamps(element(id), source.illuminant);
   slider.max = Math.max(1, 2 * source.intensity);
   slider.defaultValue = number.defaultValue = source.intensity;
   slider.addEventListener("input", () => number.value = slider.value);
@@ -98,7 +108,7 @@ const with_decimals = digits => new Intl.NumberFormat(undefined,
 const with_digits = digits => new Intl.NumberFormat(undefined,
   {minimumSignificantDigits: digits, maximumSignificantDigits: digits, useGrouping: false});
 const short_number = new Intl.NumberFormat(undefined, {maximumSignificantDigits: 12, useGrouping: false});
-const percent = part => with_decimals(part > 0 && part < 0.01 ? 2 : 1).format(100 * part) + "\u00a0%";
+const percent = part => with_decimals(2).format(100 * part) + "\u00a0%";
 const figures = (values, digits) => Array.from(values, value => with_decimals(digits).format(value).replace("-", "−"));
 
 function show_message(text) {
@@ -110,7 +120,8 @@ function show_title() {
   const lights = sources.ambients.concat(sources.lights).filter(({intensity}) => intensity > 0);
   const names = [...new Set(lights.map(({illuminant}) => scene.illuminants[illuminant].name))];
   const under = names.join(", ") || "no light";
-  document.title = `${scene.scene} under ${under}, seen by ${eye.detector.name} – spectral`;
+  set_text("caption", `${scene.scene} under ${under}, seen by ${eye.detector.name}`);
+  document.title = `${element("caption").textContent} – spectral`;
 }
 
 function show_facts(outside) {
@@ -171,27 +182,36 @@ function command_lines() {
 /* ---- the picked pixel ---- */
 
 let cursor = null;
-let pixel = null; /* the picked pixel */
-let kept = null;  /* {name, radiance, white}: a pixel for comparison, and the white of its light */
+let pixel = null;   /* the picked pixel */
+let hovered = null; /* the pixel under the pointer */
+let kept = null;    /* {name, radiance, white}: a pixel for comparison, and the white of its light */
 const hidden = new Set(); /* names of curves that are not drawn */
 
 /* XYZ needs an observer: a camera has no tristimulus values. */
 const observer = () => eye.detector && eye.detector.observer ? eye.detector : standard_observer;
 
-const object_name = surface => surface === 0 ? "background"
-  : `${surface}. ${scene.objects[surface - 1].name} (${scene.objects[surface - 1].shape})`;
+function object_name(surface) {
+  if (surface === 0) return "background";
+  const {name, shape, half} = scene.objects[surface - 1];
+  return `${surface}. ${name}${half ? `, ${half} half` : ""} (${shape})`;
+}
+
+/* Returns the number of the other half of an object of two metameric halves; 0: there is none. */
+function other_half(surface) {
+  const {half} = scene.objects[surface - 1] || {};
+  return half === "left" ? surface + 1 : half === "right" ? surface - 1 : 0;
+}
 
 /* Returns the curves of the lights. Lights of the same illuminant and intensity share a curve. */
 function light_curves() {
-  const styles = ["light", "light second", "light third"], alike = new Map();
-  const style_of = i => styles[i % 3] + (i % 6 < 3 ? "" : " dashed");
+  const alike = new Map();
   for (const [kind, name] of [["ambients", "ambient"], ["lights", "light"]])
     sources[kind].forEach(({illuminant, intensity}, i) => {
       const key = `${illuminant} ${intensity}`;
       if (intensity > 0 && !alike.has(key)) alike.set(key, {illuminant, intensity, names: []});
       if (intensity > 0) alike.get(key).names.push(name + number_of(kind, i));
     });
-  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: style_of(i), axis: "light",
+  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: "numbered light", look: look_of(i), axis: "light",
     name: `${names.join(", ")} (${scene.illuminants[illuminant].name})`,
     values: radiance_of({illuminant}).map(value => intensity * value)}));
 }
@@ -209,6 +229,7 @@ function curves_at(pixel) {
   const material = shown[pixel] > 0 ? material_of(shown[pixel]) : {};
   const named = [["diffuse", "reflectance"], ["specular", "specular reflectance"],
     ["excitation", "excitation"], ["emission", "emission"]];
+  if (is_hovered()) curves.push({name: "under the pointer", style: "hovered", values: radiance_at(hovered, sources, terms_of)});
   if (kept) curves.push({name: kept.name, style: "kept", values: kept.radiance});
   if (material.luminescence)
     curves.push({name: "fluorescence", style: "fluorescence",
@@ -217,6 +238,8 @@ function curves_at(pixel) {
   if (material.glow) curves.push({name: "own light", style: "glow", values: material.glow});
   for (const [style, name] of named)
     if (material[style]) curves.push({name, style, values: material[style], axis: "relative"});
+  const other = other_half(shown[pixel]), {diffuse} = other ? material_of(other) : {};
+  if (diffuse) curves.push({name: `reflectance of the ${scene.objects[other - 1].half} half`, style: "partner", values: diffuse, axis: "relative"});
   return curves.concat(detector_curves());
 }
 
@@ -264,11 +287,14 @@ function show_numbers(rows) {
 
 /* ---- picking ---- */
 
+const pixel_words = pixel => is_stack() ? stack_pixel_words(pixel) : `pixel ${place_of(pixel).join(", ")}: ${object_name(shown[pixel])}`;
+const sentence = words => words[0].toUpperCase() + words.slice(1);
+
 function show_pixel() {
   if (is_stack()) return show_stack_pixel();
   if (pixel === null || pixel >= n_pixels) return;
-  const curves = curves_at(pixel), surface = shown[pixel];
-  set_text("picked", `Pixel ${place_of(pixel).join(", ")}: ${object_name(surface)}`);
+  const curves = curves_at(pixel);
+  set_text("picked", sentence(pixel_words(pixel)));
   show_numbers(colour_rows(curves[0].values).concat(element("scene-view").value === "detector" ? channel_rows() : []));
   show_plot(curves);
   show_legend(curves);
@@ -281,6 +307,7 @@ function move_cursor(x, y) {
     cross.style.left = `${(cursor.x + 0.5) / shape.width * 100}%`;
     cross.style.top = `${(cursor.y + 0.5) / shape.height * 100}%`;
   }
+  show_cross();
 }
 
 function pick(x, y) {
@@ -306,45 +333,107 @@ function pick_by_key(event) {
   event.preventDefault();
 }
 
-/* A click has the corner of a screen pixel. Its middle is meant. */
-function pick_by_pointer(event) {
-  if (panned) return;
+/* Returns where in the picture the pointer is, in pixels. A click has the corner of a screen pixel. Its middle is meant. */
+function place_under({clientX, clientY}) {
   const box = canvas.getBoundingClientRect();
-  choose(Math.floor((event.clientX + 0.5 - box.left) / box.width * shape.width),
-    Math.floor((event.clientY + 0.5 - box.top) / box.height * shape.height));
+  return [(clientX + 0.5 - box.left) / box.width * shape.width, (clientY + 0.5 - box.top) / box.height * shape.height];
 }
 
-/* ---- zooming in; in a live page the camera moves instead ---- */
+function pick_by_pointer(event) {
+  if (!panned) choose(...place_under(event).map(Math.floor));
+}
 
-const zoom = {scale: 1, x: 0, y: 0}, MOST_ZOOM = 64;
+const is_hovered = () => hovered !== null && hovered !== pixel && hovered < n_pixels;
+
+/* Shows the spectrum of the pixel under the pointer beside that of the picked one, unless the pointer drags something. */
+function hover(event) {
+  const [x, y] = place_under(event).map(Math.floor), before = hovered;
+  const inside = event.type !== "pointerleave" && event.buttons === 0 && x >= 0 && y >= 0 && x < shape.width && y < shape.height;
+  hovered = inside ? y * shape.width + x : null;
+  if (hovered === before || pixel === null) return;
+  set_text("at-cursor", inside ? `Under the pointer: ${pixel_words(hovered)}` : "");
+  show_pixel();
+}
+
+/* ---- zooming; in a live page a drag, the plain wheel, fingers, + and - move the camera instead ---- */
+
+const zoom = {scale: 1, x: 0, y: 0}; /* 1: the picture fits; where the frame's corner is, off its place */
+const MOST_ZOOM = 64;
 const fingers = new Map(); /* pointers on the picture: where each was last */
 let panned = false;        /* a drag has moved the picture: its end is no click */
 
-/* Moves and scales the frame, so that it covers its place. */
+const both_frames = () => [element("frame"), element("frame-2")];
+
+/* Returns a length of the frame, "width" or "height", in which the picture fits. */
+const frame_size = name => parseFloat(getComputedStyle(element("frame"))[name]);
+
+/* Returns the width of a pixel of the picture, in pixels of the page. */
+const pixel_size = () => frame_size("width") * zoom.scale / shape.width;
+
+/* Moves and scales the frames, so that they cover their places. A picture that is smaller stands in the middle. */
 function show_zoom() {
-  const {offsetWidth: width, offsetHeight: height} = element("frame");
-  zoom.x = clamp(zoom.x, width * (1 - zoom.scale), 0);
-  zoom.y = clamp(zoom.y, height * (1 - zoom.scale), 0);
-  for (const frame of [element("frame"), element("frame-2")].filter(one => one))
-    frame.style.transform = `translate(${zoom.x}px, ${zoom.y}px) scale(${zoom.scale})`;
-  for (const cross of document.querySelectorAll("#cross, #cross-2")) cross.style.transform = `scale(${1 / zoom.scale})`;
-  canvas.style.touchAction = zoom.scale > 1 ? "none" : "";
+  const {scale} = zoom;
+  const placed = (at, length) => scale > 1 ? clamp(at, length * (1 - scale), 0) : length * (1 - scale) / 2;
+  Object.assign(zoom, {x: placed(zoom.x, frame_size("width")), y: placed(zoom.y, frame_size("height"))});
+  const whole = value => `${Math.round(value)}px`; /* so that 1:1 is not blurred */
+  for (const {style} of both_frames())
+    for (const [name, value] of [["--x", whole(zoom.x)], ["--y", whole(zoom.y)], ["--zoom", scale]]) style.setProperty(name, value);
+  document.body.classList.toggle("enlarged", scale > 1);
+  canvas.style.touchAction = scale > 1 ? "none" : "";
+  set_text("zoom-figure", with_decimals(0).format(100 * pixel_size()) + "\u00a0%");
   choose_scaling();
+  if (is_live()) show_handles(); /* they keep their size */
 }
 
-/* Zooms by a factor; the point under the pointer stays where it is. */
+/* Zooms by a factor, at most to fit or to 1:1, whichever is smaller. The point at x, y in the window stays where it is. */
 function zoom_at(x, y, factor) {
   const box = element("frame").getBoundingClientRect(), before = zoom.scale;
-  zoom.scale = clamp(before * factor, 1, MOST_ZOOM);
+  zoom.scale = clamp(before * factor, Math.min(1, before / pixel_size()), MOST_ZOOM);
   zoom.x += (x - box.left) * (1 - zoom.scale / before);
   zoom.y += (y - box.top) * (1 - zoom.scale / before);
   show_zoom();
 }
 
-function zoom_by_wheel(event) {
-  if (is_live()) return;
+/* Shows pixels so large. The cross stays where it is; if it is out of sight, the border that is next to it does. */
+function zoom_to(size) {
+  const cross = element("cross").getBoundingClientRect(), place = element("frame").parentElement.getBoundingClientRect();
+  zoom_at(clamp(cross.left + cross.width / 2, place.left, place.right), clamp(cross.top + cross.height / 2, place.top, place.bottom),
+    size / pixel_size());
+}
+
+function fit_picture() {
+  zoom.scale = 1;
+  show_zoom();
+}
+
+/* To the next power of two: pixels of the picture then are whole pixels of the page, from 1:1 on. */
+const zoom_in = () => zoom_to(2 ** (Math.floor(Math.log2(pixel_size()) + 0.01) + 1));
+const zoom_out = () => zoom_to(2 ** (Math.ceil(Math.log2(pixel_size()) - 0.01) - 1));
+
+const ZOOM_KEYS = {"0": fit_picture, "1": () => zoom_to(1), "+": zoom_in, "=": zoom_in, "-": zoom_out};
+
+function zoom_by_key(event) {
+  const act = !(is_live() && /[-+=]/.test(event.key)) && ZOOM_KEYS[event.key];
+  if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();
+  act();
+}
+
+/* The wheel scrolls the page as long as the picture fits. */
+function zoom_by_wheel(event) {
+  if (!event.ctrlKey && (is_live() || zoom.scale <= 1)) return;
+  event.preventDefault();
+  event.stopPropagation(); /* a live page's camera stays */
   zoom_at(event.clientX, event.clientY, 2 ** (-event.deltaY * (event.deltaMode === 1 ? 16 : 1) / 240));
+}
+
+/* Shifts an enlarged picture, so that the cross and its pixel are in sight. */
+function show_cross() {
+  const margin = Math.max(12, pixel_size() / 2);
+  const shifted = (at, place, length) => length > 2 * margin ? clamp(at, margin - place, length - margin - place) : length / 2 - place;
+  zoom.x = shifted(zoom.x, (cursor.x + 0.5) * pixel_size(), frame_size("width"));
+  zoom.y = shifted(zoom.y, (cursor.y + 0.5) * pixel_size(), frame_size("height"));
+  show_zoom();
 }
 
 /* Follows one pointer, which shifts a picture that is zoomed in, or two, which zoom. */
@@ -367,7 +456,11 @@ function follow_finger(event) {
 
 function listen_to_zoom() {
   const leave = event => fingers.delete(event.pointerId);
-  canvas.addEventListener("wheel", zoom_by_wheel, {passive: false});
+  element("frame").addEventListener("wheel", zoom_by_wheel, {passive: false, capture: true});
+  canvas.addEventListener("keydown", zoom_by_key);
+  for (const [id, act] of [["fit", fit_picture], ["one-to-one", ZOOM_KEYS[1]], ["reduce", zoom_out], ["enlarge", zoom_in]])
+    element(id).addEventListener("click", act);
+  new ResizeObserver(() => { if (shape) show_zoom(); }).observe(element("frame")); /* a stack is read later */
   canvas.addEventListener("pointerdown", event => {
     if (fingers.size === 0) panned = false;
     fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
@@ -378,8 +471,34 @@ function listen_to_zoom() {
 
 /* Shows an enlarged picture without smoothing, so that pixels keep their colours. */
 function choose_scaling() {
-  const enlarged = canvas.clientWidth * zoom.scale * devicePixelRatio / shape.width;
-  canvas.style.imageRendering = enlarged >= 1.5 ? "pixelated" : "auto";
+  for (const one of [canvas, element("picture-2")])
+    one.style.imageRendering = pixel_size() * devicePixelRatio >= 1.5 ? "pixelated" : "auto";
+}
+
+/* Returns the objects that are seen: {surface, n: pixels, x, y: the sums of their places, beside: its neighbours}. */
+function seen_objects() {
+  const seen = new Map();
+  shown.forEach((surface, i) => {
+    const [x, y] = place_of(i);
+    if (!seen.has(surface)) seen.set(surface, {surface, n: 0, x: 0, y: 0, beside: new Set()});
+    const one = seen.get(surface);
+    Object.assign(one, {n: one.n + 1, x: one.x + x, y: one.y + y});
+    for (const other of [x > 0 ? shown[i - 1] : surface, y > 0 ? shown[i - shape.width] : surface])
+      if (other !== surface) { one.beside.add(other); seen.get(other).beside.add(surface); }
+  });
+  return [...seen.values()];
+}
+
+/* Returns the place that a page opens with: in the middle of the object with the most pixels that is not behind all others. The
+ * background is; without it the object with the most neighbours, if they are half of all others, as a wall or a table has. */
+function first_place() {
+  const all = seen_objects(), neighbours = ({surface, beside}) => surface === 0 ? Infinity : beside.size;
+  const behind = all.reduce((most, one) => (neighbours(one) - neighbours(most) || one.n - most.n) > 0 ? one : most);
+  const before = all.filter(one => one !== behind || 2 * neighbours(one) < all.length - 1);
+  const {surface, n, x, y} = (before.length > 0 ? before : all).reduce((most, one) => one.n > most.n ? one : most);
+  const apart = i => Math.hypot(place_of(i)[0] - x / n, place_of(i)[1] - y / n);
+  const nearest = shown.reduce((best, one, i) => one === surface && (best < 0 || apart(i) < apart(best)) ? i : best, -1);
+  return {x: place_of(nearest)[0], y: place_of(nearest)[1]};
 }
 
 /* Finds for each visible object the pixel that reflects most, without highlights. */
@@ -424,25 +543,25 @@ function show_picture({width, height, data}) {
   element("first")?.remove();
 }
 
-/* Shows the colours of a map below it, with the least value, the middle one and the largest; null: there is no map. */
+/* Shows the colours of a map below it, with values at even steps up to the largest; null: there is no map. */
 function show_map_legend(largest, unit) {
   const legend = element("map-legend"), value = part => with_digits(4).format(part * largest);
   legend.hidden = largest === null;
   if (largest === null) return;
   legend.style.background = `linear-gradient(to right, ${RAMP.map(rgb => `rgb(${rgb})`).join()}) no-repeat 0 0 / 100% 0.9rem`;
-  legend.replaceChildren(...["0", value(0.5), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
+  legend.replaceChildren(...["0", ...[0.25, 0.5, 0.75].map(value), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
 }
 
 /* Keeps a copy of the picture beside the one that goes on changing, or takes it away. */
 function keep_picture() {
   const second = element("picture-2"), keeps = element("frame-2").hidden;
-  element("frame-2").hidden = element("kept-title").hidden = !keeps;
+  element("frame-2").hidden = !keeps;
   document.body.classList.toggle("beside", keeps);
   set_text("keep-picture", keeps ? "Take the kept picture away" : "Keep the picture beside");
   if (!keeps) return;
   Object.assign(second, {width: canvas.width, height: canvas.height});
   second.getContext("2d").drawImage(canvas, 0, 0);
-  set_text("kept-title", `On the right: ${document.title.replace(/ – spectral$/, "")}.`);
+  set_text("caption-2", element("caption").textContent);
 }
 
 /* Shows a painted picture, with its facts. */
@@ -483,9 +602,11 @@ const is_stack = () => document.body.classList.contains("stack");
 function listen() {
   element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : is_stack() || redraw_soon());
   element("controls").addEventListener("reset", () => setTimeout(is_live() ? reset_live : is_stack() ? redraw_stack : redraw_soon));
+  element("controls").addEventListener("reset", fit_picture);
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
+  for (const name of ["pointermove", "pointerleave"]) canvas.addEventListener(name, hover);
   listen_to_zoom();
   canvas.addEventListener("keydown", pick_by_key);
   element("values-shown").addEventListener("toggle", show_pixel);
@@ -495,14 +616,17 @@ function listen() {
   element("save-values").addEventListener("click", () =>
     save(new Blob([values_csv(is_stack() ? stack_curves() : curves_at(pixel))], {type: "text/csv"}), ".csv"));
   new ResizeObserver(show_pixel).observe(element("chart"));
-  addEventListener("resize", choose_scaling);
 }
 
 /* Fits the page to a picture's shape. */
 function fit_frame() {
-  element("frame").style.setProperty("--width", `${Math.max(shape.width, 300)}px`);
-  element("frame").style.setProperty("--aspect", shape.width / shape.height);
-  if (!cursor) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+  if (element("frame").style.getPropertyValue("--width") !== `${shape.width}px`) zoom.scale = 1;
+  for (const {style} of both_frames()) {
+    style.setProperty("--width", `${shape.width}px`);
+    style.setProperty("--aspect", shape.width / shape.height);
+  }
+  if (!cursor) cursor = first_place();
+  show_zoom();
 }
 
 function show_names() {

@@ -9,9 +9,11 @@
  * better because a compressed page is unpacked as a whole. */
 static const uint64_t chunk_samples = (uint64_t)1 << 24;
 
+enum { LABEL = 512 }; /* bytes of an object's label; a longer name is cut */
+
 /* An object's values. */
 struct values {
-    const char *name;
+    char label[LABEL];
     uint64_t pixels;
     double *mean, *spread; /* of each column; owned */
     double xyz[3], lab[3];
@@ -149,29 +151,40 @@ static void measured_free(struct measured *of)
 
 /* ---- a region, or one object ---- */
 
-/* Returns the number of the object that is named, or that has this number, from 1; 0: there is
- * none, or several have the name. */
-static int find_named(const struct record *record, const char *wanted, struct error *err)
+/* Labels an object, from 0: its name. Objects of one name, as the two halves of a metameric pair,
+ * are NAME#1, NAME#2, ... */
+static void label_object(const struct texts *objects, int object, char out[LABEL])
+{
+    const char *name = objects->text[object];
+    int n = 0, number = 0;
+    for (int i = 0; i < objects->n; i++) {
+        n += strcmp(objects->text[i], name) == 0;
+        number = i == object ? n : number;
+    }
+    snprintf(out, LABEL, n > 1 ? "%.*s#%d" : "%.*s", LABEL - 16, name, number);
+}
+
+/* Returns the number of the object that has this label, or number, from 1; 0: there is none. */
+static int find_named(const struct texts *objects, const char *wanted, struct error *err)
 {
     struct error ignored = {.status = EXIT_AGREED};
     const struct word word = {.start = wanted, .length = strlen(wanted)};
-    int found = 0, n = 0;
+    char label[LABEL];
     long number;
-    for (int i = record->objects.n; i > 0; i--)
-        if (strcmp(record->objects.text[i - 1], wanted) == 0) {
-            found = i;
-            n++;
-        }
-    if (n == 0 && word_integer(&word, "it", 1, record->objects.n, &number, &ignored))
+    for (int i = 0; i < objects->n; i++) {
+        if (strncmp(wanted, objects->text[i], strlen(objects->text[i])) != 0)
+            continue;
+        label_object(objects, i, label);
+        if (strcmp(label, wanted) == 0)
+            return i + 1;
+    }
+    if (word_integer(&word, "it", 1, objects->n, &number, &ignored))
         return (int)number;
-    if (n > 1)
-        error_usage(err,
-                    "%d objects are named '%.100s'; expected a number from 1 to %d, in the "
-                    "order of --objects",
-                    n, wanted, record->objects.n);
-    else if (n == 0)
-        error_usage(err, "there is no object '%.100s'; --objects lists them", wanted);
-    return n == 1 ? found : 0;
+    error_usage(err,
+                "there is no object '%.100s', or not one alone; --objects lists them, those of one "
+                "name as NAME#1, NAME#2, ...",
+                wanted);
+    return 0;
 }
 
 /* Chooses the pixels of a probe, which has begun. */
@@ -186,7 +199,7 @@ static bool choose_pixels(struct measured *of, struct probe *probe, struct error
     }
     if (!open_map(of, err))
         return false;
-    of->first = find_named(&of->rows.cube.record, probe->wanted, err);
+    of->first = find_named(&of->rows.cube.record.objects, probe->wanted, err);
     note_shown(probe, of->first);
     return of->first > 0;
 }
@@ -218,7 +231,7 @@ static void find_values(struct measured *of, int object)
     struct values *out = &of->values;
     const struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
     const int n_bands = of->rows.cube.image.n_pages;
-    out->name = of->rows.cube.record.objects.text[object];
+    label_object(&of->rows.cube.record.objects, object, out->label);
     out->pixels = moments[0].n;
     for (int i = 0; i < of->n_columns; i++)
         moments_end(&moments[i], &out->mean[i], &out->spread[i]);
@@ -263,7 +276,7 @@ static void print_numbers(const double *values, int n, bool known, struct printe
 static void print_csv(const struct measured *of, const struct values *values, struct printed *to)
 {
     print_text(to, "\"");
-    csv_text(values->name, to);
+    csv_text(values->label, to);
     print(to, "\",%llu", (unsigned long long)values->pixels);
     print_numbers(values->xyz, 3, values->pixels > 0, to);
     print_numbers(values->lab, 3, values->pixels > 0 && of->colours.has_white, to);
@@ -276,7 +289,7 @@ static void print_line(const struct measured *of, const struct values *values, s
 {
     const int n_bands = of->rows.cube.image.n_pages;
     const bool seen = values->pixels > 0;
-    print_printable(to, values->name);
+    print_printable(to, values->label);
     print(to, "\n  pixels          %llu\n", (unsigned long long)values->pixels);
     if (seen)
         print(to, "  XYZ             %.4f %.4f %.4f%s\n", values->xyz[0], values->xyz[1],
@@ -294,7 +307,7 @@ static void put_json(const struct measured *of, const struct values *values, str
     const int n_bands = of->rows.cube.image.n_pages;
     const bool seen = values->pixels > 0;
     json_open(json, NULL, '{');
-    json_string(json, "name", values->name);
+    json_string(json, "name", values->label);
     json_count(json, "pixels", values->pixels);
     json_numbers(json, "XYZ", seen ? values->xyz : NULL, 3);
     json_numbers(json, "Lab", seen && of->colours.has_white ? values->lab : NULL, 3);
@@ -371,9 +384,9 @@ static bool compare_object(const struct values *a, const struct values *b, const
     double lab[3];
     cielab(b->xyz, white, lab);
     *out = ciede2000_difference(a->lab, lab);
-    return strcmp(a->name, b->name) == 0 ||
-           error_usage(err, "the stacks show other objects: '%.100s' and '%.100s'", a->name,
-                       b->name);
+    return strcmp(a->label, b->label) == 0 ||
+           error_usage(err, "the stacks show other objects: '%.100s' and '%.100s'", a->label,
+                       b->label);
 }
 
 bool objects_compare(struct comparison *of, struct json *json, struct printed *to,
@@ -399,10 +412,10 @@ bool objects_compare(struct comparison *of, struct json *json, struct printed *t
         measure_add(&of->pixels[CIEDE2000], of->bins, difference, i, 0);
         of->n_pixels++;
         print(to, "%-17.6g ", difference);
-        print_printable(to, a.values.name);
+        print_printable(to, a.values.label);
         print_text(to, "\n");
         json_open(json, NULL, '{');
-        json_string(json, "name", a.values.name);
+        json_string(json, "name", a.values.label);
         json_number(json, "dE00", difference);
         json_close(json, '}');
     }

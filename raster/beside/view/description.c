@@ -104,7 +104,7 @@ static bool next_table(size_t *at, bool detector, char name[BUILTIN_NAME])
 static void add_builtins(struct describer *describer)
 {
     char name[BUILTIN_NAME];
-    add_builtin(describer, "1");
+    add_builtin(describer, "e");
     for (size_t i = 0; next_table(&i, false, name); i++)
         add_builtin(describer, name);
 }
@@ -216,6 +216,7 @@ static void put_surfaces(struct describer *describer)
 {
     const struct plan *plan = describer->plan;
     const struct vector own_origin = {0, 0, 0};
+    const struct material *right = NULL; /* the right half of an object follows its left half */
     struct json *json = &describer->json;
     json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
@@ -224,13 +225,16 @@ static void put_surfaces(struct describer *describer)
     json_open(json, "objects", '[');
     for (int i = 0; i < plan->n_instances; i++) {
         const struct object *object = plan->instances[i].object;
+        const struct material *own = plan->materials[plan->instances[i].shaded].material,
+                              *partner = scene_partner(plan->scene, own);
         json_open(json, NULL, '{');
         json_string(json, "name", object_name(plan, i));
         json_string(json, "shape", shape_name(object->shape.kind));
+        json_string(json, "half", partner ? "left" : own == right ? "right" : NULL);
+        right = partner;
         json_count(json, "shaded_material", (uint64_t)plan->instances[i].shaded);
         json_count(json, "object", (uint64_t)(object - plan->scene->objects));
-        json_string(json, "material_file",
-                    plan->materials[plan->instances[i].shaded].material->path);
+        json_string(json, "material_file", own->path);
         put_place(json, &object->place);
         put_vector(json, "origin", matrix_point(&object->transform, own_origin));
         json_close(json, '}');

@@ -117,8 +117,7 @@ static void put_frame(struct page *page)
           "<div id=\"frame\" style=\"--width: %dpx; --aspect: %.6g\">\n"
           "<img id=\"first\" width=\"%d\" height=\"%d\" alt=\"Picture of the scene\"\n"
           "  src=\"data:image/png;base64,",
-          parts->width < 300 ? 300 : parts->width, (double)parts->width / parts->height,
-          parts->width, parts->height);
+          parts->width, (double)parts->width / parts->height, parts->width, parts->height);
     print_base64((const unsigned char *)parts->first.text, parts->first.length, &page->text);
     print_text(&page->text, "\">\n");
 }

@@ -89,9 +89,12 @@ check(run("probe", f"{TMP}/p.tif", "15-red", "--against", number, "--csv").stdou
 check("object 15-red and object 14-green" in run("probe", f"{TMP}/p.tif", "15-red", "--against", "14-green").stdout, "the table names both objects")
 output_of("render", write("twins.scene", "size 60 40\nlight d65 1 direction 0 0 1\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m translate -2 0 0\n"
                           "object sphere 1 material m translate 2 0 0\ncamera ortho 8\n"), "-o", f"{TMP}/t.tif", "--quiet")
-for words, why in ((["m", "--against", "2"], "2 objects are named 'm'"), (["no", "--against", "2"], "there is no object 'no'"), (["0", "--against", "1"], "no object '0'")):
+for words, why in ((["m", "--against", "2"], "there is no object 'm', or not one alone"), (["m#3", "--against", "2"], "there is no object 'm#3'"),
+                   (["no", "--against", "2"], "there is no object 'no'"), (["0", "--against", "1"], "no object '0'")):
     result = run("probe", f"{TMP}/t.tif", *words)
     check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
+alike = [run("probe", f"{TMP}/t.tif", name, "--against", "m#1", "--csv").stdout for name in ("2", "m#2", "m#1")]
+check(alike[0] == alike[1] != alike[2], "of two objects that are named m, the second is m#2, and 2", *alike)
 # an index that does not exist
 output_of("render", write("black.scene", "size 60 40\nlight d65 1 direction 0 0 1\nmaterial k { diffuse 0 }\nmaterial w { diffuse 0.5 }\n"
                           "object plane 3 3 material k translate -2 0 0\nobject plane 3 3 material w translate 2 0 0\ncamera ortho 8\n"),

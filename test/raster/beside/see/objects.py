@@ -38,7 +38,7 @@ xyz = weights("cie1931", np.arange(400.0, 701.0, 10))
 for options, kept in ([], inner), (["--edges"], np.ones_like(inner)):
     result = run("probe", STACK, "--objects", "--detector", f"{TMP}/cam.csv", "--json", "-", *options)
     report = json.loads(result.stdout)
-    check([entry["name"] for entry in report["objects"]] == ["m", "n", "n"] and report["channel_names"] == ["blue", "red"],
+    check([entry["name"] for entry in report["objects"]] == ["m", "n#1", "n#2"] and report["channel_names"] == ["blue", "red"],
           f"{options}: objects and channels have names", result.stdout[:300])
     for number, entry in enumerate(report["objects"], 1):
         at = (shown == number) & kept

@@ -494,9 +494,10 @@ def plot(browser, which):
         browser.pointer("mouseMoved", left + width / 2, top + height / 2, 0)
         said = browser.evaluate("element('at-cursor').textContent")
         nm = float(said.split(" nm")[0])
-        value = browser.evaluate(f"curves_at(pixel)[0].values[scene.wavelengths.indexOf({nm})]")
-        check(abs(float(said.split("radiance ")[1].split(",")[0]) - value) <= 1e-3 * abs(value) and abs(nm - 530) < 60,
-              f"{which}: values at the pointer are those of the curves", said, value)
+        name, said_value = said.split(" nm, ")[1].rsplit(": ", 1)
+        value = browser.evaluate(f"curves_at(pixel).find(({{name}}) => name === {name!r}).values[scene.wavelengths.indexOf({nm})]")
+        check(abs(float(said_value) - value) <= 1e-3 * abs(value) and abs(nm - 530) < 60,
+              f"{which}: the value at the pointer is that of the curve", said, value)
 
 
 # ---- the text ----

@@ -105,7 +105,7 @@ COMBINATIONS = {
     "fluorescence": [
         ({1: "uv*1"}, []),
         ({1: "a*0.6", "ambient": "uv*0.8"}, ["--detector=dcs200-camera"]),
-        ({1: "1*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
+        ({1: "e*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
         ({1: "led-b5*0.7", "ambient": "f11*0.2"}, ["--adaptation=cat16"]),
     ],
     "metamers": [
@@ -114,11 +114,15 @@ COMBINATIONS = {
     ],
     "room": [
         ({}, []),
-        ({"ambient": "1*0.1", 1: "d65*0", 2: "uv*0.5", 3: "a*1"},
+        ({"ambient": "e*0.1", 1: "d65*0", 2: "uv*0.5", 3: "a*1"},
          ["--adaptation=bradford", "--detector=cie2006-10"]),
         ({2: "fluorescent*0.4"}, ["--detector=transparency-film", "--exposure=1.5"]),
     ],
 }
+
+
+# The object that a page opens with: it has the most pixels, but for one behind all others.
+OPENS = {"colorchecker": "01-dark-skin (torus)", "fluorescence": "white, ", "metamers": "half (", "room": "rug (mesh)"}
 
 
 def set_lights(lights):
@@ -150,6 +154,8 @@ def light_options(lights):
 def menus(scene):
     what_kind = "still" if kind == [PROGRAM] else "live"
     browser.open(view(scene, scene))
+    picked, surface, colour = browser.evaluate("[element('picked').textContent, shown[pixel], element('objects').value]")
+    check(OPENS[scene] in picked and str(surface) == colour, f"{what_kind} {scene}: opens with {OPENS[scene]}", picked)
     for lights, options in COMBINATIONS[scene]:
         browser.evaluate("controls.reset()")
         browser.settle()
@@ -330,7 +336,8 @@ def bands(which):
     part = page[40] / page[40].max() * 4
     expected, seen = np.stack([np.interp(part, range(5), column) for column in ramp.T], 2), browser.pixels()
     legend = browser.evaluate("[...element('map-legend').children].map(one => one.textContent)")
-    check(distance(seen, expected) <= 1 and legend[0] == "0" and abs(float(legend[2].split()[0]) - page[40].max()) < 2e-3 * page[40].max(),
+    check(distance(seen, expected) <= 1 and legend[0] == "0" and len(legend) == 5 and
+          np.allclose([float(one.split()[0]) for one in legend], np.linspace(0, page[40].max(), 5), rtol=2e-3),
           f"{which}: false colours have a legend up to the largest radiance",
           distance(seen, expected), legend, page[40].max())
     browser.choose("scene-view", "detector")
@@ -342,8 +349,10 @@ def bands(which):
     kept = browser.evaluate("""(() => { const second = element("picture-2"), {width, height} = second;
         return [...second.getContext("2d").getImageData(0, 0, width, height).data]; })()""")
     check((np.array(kept, np.uint8).reshape(before.shape) == before).all() and distance(browser.pixels(), before) > 10 and
-          browser.text("kept-title")[14:-1] == title.replace(" – spectral", "") != browser.evaluate("document.title"),
-          f"{which}: a kept picture stays beside the one that changes", browser.text("kept-title"))
+          [browser.text("caption-2"), browser.text("caption")] ==
+          [one.replace(" – spectral", "") for one in (title, browser.evaluate("document.title"))] and
+          browser.text("caption") != browser.text("caption-2"),
+          f"{which}: a kept picture stays beside the one that changes, both with captions", browser.text("caption"), browser.text("caption-2"))
     browser.press("keep-picture")
     check(browser.evaluate("element('frame-2').hidden"), f"{which}: it is taken away again")
 
@@ -357,6 +366,19 @@ def all_offered():
         used = {word.split("=")[1].split(":")[0] for word in options if word.startswith(f"--{menu}=")}
         default = {"detector": "cie1931", "adaptation": "none", "display": "srgb"}[menu]
         check(offered and offered <= used | {default}, f"every {menu} was tried", offered - used)
+
+
+def lamps():
+    """Menus have lamps in the order of people, and equal energy once, also where the scene says 1."""
+    order = lambda name: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name)]
+    scene = write("one.scene", "camera ortho 3\nambient 1 0.5\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m\n")
+    for subject, equal in (("metamers", "e (equal energy)"), (scene, "1 (equal energy)")):
+        browser.open(view(subject, "lamps"))
+        offered = browser.evaluate("[...element('ambients-1').options].map(({text}) => text)")
+        check(offered.index("f9") == offered.index("f8") + 1 < offered.index("f10") and offered == sorted(offered, key=order),
+              f"{equal}: f9 stands between f8 and f10", offered)
+        radiances = browser.evaluate("[...element('ambients-1').options].map(({value}) => [...scene.illuminants[value].radiance].join())")
+        check(len(set(radiances)) == len(radiances) > 20 and equal in offered, f"{equal}: no two lamps of a menu are the same", offered)
 
 
 # ---- pixels and their spectra ----
@@ -470,6 +492,15 @@ def metamers():
     browser.choose("lights-1", "a")
     apart, _, _ = difference((left, y), (left + 1, y))
     check(alike < 2 and apart > 5, "halves that match under D65 differ under A", alike, apart)
+    own, other = {}, {}
+    for name in browser.evaluate("[...objects.options].map(({text}) => text).filter(text => text.includes('half'))"):
+        browser.choose("objects", name.split(" ")[0])
+        seen, side = values(), re.search("(left|right) half", name)[1]
+        partner = {"left": "right", "right": "left"}[side]
+        pair = name.split(". ")[1].replace(side, "%s")
+        own[pair % side], other[pair % partner] = seen["reflectance"], seen[f"reflectance of the {partner} half"]
+    check(len(own) == 24 and own.keys() == other.keys() and all((own[name] == other[name]).all() for name in own),
+          "the plot of each half has the reflectance of the other one, too", sorted(own))
 
 
 def means():
@@ -531,6 +562,7 @@ def keyboard():
     browser.open(view("colorchecker", "colorchecker"))
     browser.evaluate("document.activeElement.blur()")
     check(tab_to("picture") and outlined(), "the keyboard reaches the picture, which shows that it has the focus")
+    browser.evaluate("move_cursor(60, 40)")
     for _ in range(3):
         browser.key("ArrowLeft", shift=True)
     for key in ("ArrowRight", "ArrowUp", "ArrowUp", "ArrowDown", "Enter"):
@@ -702,6 +734,26 @@ def plot():
           radiance, seen["radiance"])
     check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1],
           "a larger radiance is higher in the plot")
+    missed = browser.evaluate("""(() => {
+        const svg = document.querySelector("#chart svg"), drawn = curves_at(pixel).filter(curve => !is_hidden(curve)), frame = plot_frame(drawn);
+        const box = svg.getBoundingClientRect(), scale = box.width / frame.width, missed = [];
+        const place_of = ({axis, values}, i) => frame.y_of[axis || "radiance"](values[i]);
+        for (const curve of drawn)
+            scene.wavelengths.forEach((nm, i) => {
+                svg.dispatchEvent(new PointerEvent("pointermove", {clientX: box.left + scale * frame.x(nm), clientY: box.top + scale * place_of(curve, i)}));
+                const said = element("at-cursor").textContent, named = drawn.find(({name}) => said.startsWith(`${nm} nm, ${name}: `));
+                if (!named || Math.abs(place_of(named, i) - place_of(curve, i)) > 1e-6 || Math.abs(Number(said.split(": ").pop()) / (named.values[i] || 1) - 1) > 1e-3 && named.values[i] !== 0)
+                    missed.push(said);
+            });
+        return [drawn.length, missed];
+    })()""")
+    check(missed[0] >= 4 and not missed[1], "on each curve, at each wavelength, the plot shows its name and value", missed)
+    browser.pointer("mouseMoved", *browser.at(60.5, 40.5), 0)
+    browser.settle()
+    said, under = browser.text("at-cursor"), values()["under the pointer"]
+    click_pixel(60, 40)
+    check(said == "Under the pointer: p" + browser.text("picked")[1:] and (values()["radiance"] == under).all(),
+          "the pixel under the pointer has its name and its spectrum before it is picked", said)
     drawn = "document.querySelectorAll('#chart .curve').length"
     before = browser.evaluate(drawn)
     browser.evaluate("document.querySelector('#curves input').click()")
@@ -710,6 +762,30 @@ def plot():
     observed = numbers()["XYZ"]
     browser.choose("detector", "dcs200-camera")
     check((numbers()["XYZ"] == observed).all(), "XYZ are those of the CIE 1931 observer even with a camera")
+
+
+def many_curves():
+    """Colours of curves never repeat; of ten those with the same dashes differ in lightness; all stand out of the page."""
+    looks = browser.evaluate("Array.from({length: 500}, (_, i) => look_of(i))")
+    hues = [look.split(";")[0] for look in looks]
+    check(len(set(hues)) == 500, "500 curves have 500 hues")
+    for scheme in ("light", "dark"):
+        browser.scheme(scheme)
+        shown = browser.evaluate("""Array.from({length: 10}, (_, i) => {
+            const path = draw_curve(document.querySelector("#chart svg"), {style: "numbered", look: look_of(i)}, "M0 0"), {stroke, strokeDasharray} = getComputedStyle(path);
+            const context = new OffscreenCanvas(1, 1).getContext("2d");
+            path.remove();
+            context.fillStyle = stroke;
+            context.fillRect(0, 0, 1, 1);
+            return [`rgb(${[...context.getImageData(0, 0, 1, 1).data.slice(0, 3)]})`, strokeDasharray];
+        })""")
+        paper = relative_luminance(browser.evaluate("getComputedStyle(element('spectrum')).backgroundColor"))
+        ratio = lambda a, b: (max(a, b) + 0.05) / (min(a, b) + 0.05)
+        bright = [relative_luminance(colour) for colour, _ in shown]
+        check(min(ratio(one, paper) for one in bright) >= 3, f"{scheme}: they stand out of the page", shown)
+        pairs = [ratio(bright[i], bright[j]) for i in range(10) for j in range(i) if shown[i][1] == shown[j][1]]
+        check(len(pairs) == 5 and min(pairs) > 1.7, f"{scheme}: of ten curves those of one dash pattern differ in lightness", pairs)
+    browser.scheme("light")
 
 
 def slider():
@@ -730,6 +806,12 @@ def troubles():
     browser.open(view("colorchecker", "colorchecker"))
     check(browser.message() == "", "the page shows no message without a problem")
     browser.see_by([])
+    browser.evaluate("element('eye-group').open = true")
+    for value in (0.123456, 0.000123456, 123456):
+        browser.put("exposure", value)
+        room = browser.evaluate("[element('exposure').scrollWidth, element('exposure').clientWidth]")
+        check(room[0] <= room[1], f"the box of the exposure has room for {value}", room)
+    browser.put("exposure", 1)
     once = numbers()["RGB, linear"]
     browser.put("exposure", 2)
     check(np.allclose(numbers()["RGB, linear"], 2 * once, atol=2e-5), "linear channels are shown after exposure")
@@ -758,8 +840,9 @@ def main():
     exposures()
     own_display()
     all_offered()
+    lamps()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
-    spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], {2: "uv*0.9", "ambient": "1*0.3"})
+    spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], {2: "uv*0.9", "ambient": "e*0.3"})
     causes()
     metamers()
     command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
@@ -777,6 +860,7 @@ def main():
     check(not browser.complaints, "the console stays empty for strange scenes, too", *browser.complaints)
     small()
     plot()
+    many_curves()
     slider()
     troubles()
     inside = ("file://" + os.path.abspath(TMP), "blob:", "data:")
