@@ -57,7 +57,7 @@ static const struct option changes[] = {
     {"--size WxH", "width and height in pixels, as 300x200", CHANGES(scene_set_size), .marks = "x",
      .recorded = true},
     {"--light N=SPECTRUM[*INTENSITY]", "replaces the spectrum of light N (from 1); may be repeated",
-     CHANGES(scene_set_light), .marks = "=", .recorded = true},
+     CHANGES(scene_set_light), .recorded = true},
     {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", CHANGES(scene_set_ambient),
      .recorded = true},
     {"--shadows", "objects throw shadows in the light of all lights", CHANGES(set_shadows),
