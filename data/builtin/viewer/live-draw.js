@@ -22,13 +22,18 @@ function set_state(next, concerns) {
 }
 
 /* Makes a change that undo takes back. Changes of one group are taken back together. */
-function commit(next, concerns, group = {recorded: false}) {
+function record(next, concerns, group) {
   if (!group.recorded) {
     past.push(state);
     future.length = 0;
     group.recorded = true;
   }
   set_state(next, concerns);
+}
+
+/* The same, and draws it. */
+function commit(next, concerns, group = {recorded: false}) {
+  record(next, concerns, group);
   want(group.moving === true);
 }
 
@@ -54,9 +59,10 @@ function start_drawers() {
   drawers = Array.from({length: n}, () => new Drawer(compiled));
 }
 
-/* Runs a command on a worker that is idle, or on the first one. */
+/* Asks a worker that is idle, or one more: a picture may take long. */
 function ask_program(message, files = state.files) {
-  const drawer = drawers.find(one => one.since === null) || drawers[0];
+  const drawer = drawers.find(one => one.since === null);
+  if (!drawer) return ask_apart(message, files);
   drawer.send_files(files);
   return drawer.ask(message);
 }
@@ -84,6 +90,11 @@ const FRAME_MS = 33, COARSEST = 8, PATIENCE_MS = 2000, SHORT_MS = 300;
 function want(moving) {
   wanted = {moving};
   pump();
+}
+
+/* Begins with a picture that moves at once, by the time of a whole one. */
+function guess_coarseness(ms) {
+  while (coarseness < COARSEST && ms / drawers.length / coarseness ** 2 > FRAME_MS) coarseness *= 2;
 }
 
 const pace_at = new Map(); /* by coarseness: milliseconds of a moving picture, for all workers together */
@@ -116,11 +127,21 @@ function end_late(newest, patience_ms) {
 const whole_is_coming = () => wanted ? !wanted.moving
   : drawers.some(one => one.since !== null && one.picture === asked && one.whole);
 
-/* Readers of the screen, and tests, see whether the picture is the one that was asked for. */
-let pending_edits = 0;
+/* Readers of the screen, and tests, see whether the picture is the one that was asked for. A wait that a person feels is shown in words. */
+let pending_edits = 0, waiting = null; /* the timer of a wait */
+const FELT_MS = 300, DRAWING = "Drawing …";
 function show_busy() {
   const busy = wanted !== null || pending_edits > 0 || drawers.some(one => one.since !== null);
   element("shown").setAttribute("aria-busy", busy);
+  if (busy && waiting === null) waiting = setTimeout(() => set_text("progress", DRAWING), FELT_MS);
+  if (!busy) end_wait();
+  if (!busy && element("progress").textContent === DRAWING) set_text("progress", "");
+}
+
+/* A picture has come, or none is waited for. */
+function end_wait() {
+  clearTimeout(waiting);
+  waiting = null;
 }
 
 async function pump() {
@@ -140,6 +161,7 @@ async function pump() {
   if (moving && answer.ms) adapt_coarseness(factor, answer.ms);
   if (number > latest_shown && answer.error !== "stopped") {
     latest_shown = number;
+    end_wait();
     if (answer.error) refuse(answer.error, of);
     else if (moving) show_moving(answer);
     else if (!wanted) {

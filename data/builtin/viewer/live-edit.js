@@ -53,12 +53,12 @@ const BAKED = {
 const with_own_statement = (text, name, words) => statement_named(text, name) || !statement_named(text, "include")
   ? with_statement(text, name, words) : null;
 
+/* Returns the names of the texts that the scene is made of. */
+const scene_texts = () => [state.scene, ...statements_of(text_of(state)).filter(({words}) => words[0].text === "include")
+  .map(({words}) => words[1].text)].filter(file => typeof state.files[file] === "string");
+
 /* Returns the place of a statement that a scene has once: the file that has it, or else the scene's own. */
-function place_of_statement(name) {
-  const has = file => typeof state.files[file] === "string" && statement_named(state.files[file], name);
-  const included = statements_of(text_of(state)).filter(({words}) => words[0].text === "include").map(({words}) => words[1].text);
-  return {file: [state.scene, ...included].find(has) || state.scene};
-}
+const place_of_statement = name => ({file: scene_texts().find(file => statement_named(state.files[file], name)) || state.scene});
 
 const wavelength_words = value => value.includes(":") ? value.replaceAll(":", " ") : "list " + value.replaceAll(",", " ");
 
@@ -92,15 +92,25 @@ let edits = Promise.resolve(); /* edits follow each other, as one may have to wa
 const n_lines = state => Object.values(state.files).map(text =>
   typeof text === "string" ? text.split("\n").length : 0).join();
 
-/* Waits until the description has the places of statements in the present text. */
+/* A picture of a scene that has become a text of its own since shows nothing else, but does not know its lines. */
+const is_described = of => of.baked || !state.baked;
+
+/* Waits until the description has the places of statements in the present text. A scene that has just become a text of its own
+ * looks as before, and needs no picture. */
 async function lines_known() {
-  if (described_state && state.baked && n_lines(described_state) === n_lines(state)) return;
+  if (!described_state) {
+    const {description, error} = await ask_program({task: "describe", words: [state.scene, ...state.words], keys: {...keys}});
+    if (error) throw new Error(error);
+    set_scene(description);
+    described_state = state;
+  }
+  if (state.baked && n_lines(described_state) === n_lines(state)) return;
   if (!whole_is_coming()) want(false);
   await new Promise((then, fail) => waiting_for_lines.push({then, fail}));
 }
 
 function lines_are_known(of, error) {
-  if (!error) described_state = of;
+  if (!error && is_described(of)) described_state = of;
   if (of !== state) return;
   for (const {then, fail} of waiting_for_lines.splice(0)) error ? fail(new Error(error)) : then();
 }
@@ -111,7 +121,7 @@ function lines_are_known(of, error) {
 function edit(concerns, change, place = null, group = gesture || {recorded: false}) {
   return queue_edit(async () => {
     if (!state.baked) {
-      commit(await editable(state), GEOMETRY | SPECTRA, group);
+      record(await editable(state), SPECTRA, group);
       described_state = null; /* names of files and places have changed */
     }
     if (place) await lines_known();
@@ -119,8 +129,8 @@ function edit(concerns, change, place = null, group = gesture || {recorded: fals
     if (!(file in state.files)) throw new Error(`${file} is built in. Copy it into the scene to change it here.`);
     const result = change(state.files[file], at);
     const {text, files} = typeof result === "string" ? {text: result, files: {}} : result;
-    if (text !== state.files[file])
-      commit({...state, files: {...state.files, ...files, [file]: text}}, concerns, group);
+    const next = {...state.files, ...files, [file]: text};
+    if (Object.keys(next).some(name => next[name] !== state.files[name])) commit({...state, files: next}, concerns, group);
   });
 }
 
@@ -164,6 +174,13 @@ function edit_at_object(concerns, change, group) {
 /* Changes the parts of the chosen object: change(parts). */
 const edit_object = (concerns, change, group) =>
   edit_at_object(concerns, (text, line) => with_object(text, line, change), group);
+
+/* Gives all objects of the scene a shape. */
+function shape_all(words) {
+  const shaped = text => with_objects(text, parts => give_shape(parts, words));
+  edit(GEOMETRY | SPECTRA, text => ({text: shaped(text),
+    files: Object.fromEntries(scene_texts().map(name => [name, shaped(state.files[name])]))}));
+}
 
 /* Puts a copy of the chosen object beside it, to the right in the picture. */
 function copy_object() {

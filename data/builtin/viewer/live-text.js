@@ -87,10 +87,13 @@ function with_light(text, line, {spectrum, intensity, vector, shadows}) {
 const OBJECT_WORDS = new Set(["material", "materials", "scale", "rotate", "translate", "two-sided", "casts", "planar",
   "repeat", "displace", "unitize", "crease"]);
 
-/* Returns the parts of an object's statement: its shape, and each option with its words. */
+const is_checker = ({words}) => words[0].text === "checker";
+const has_shape = ({words}) => ["object", "checker"].includes(words[0].text);
+
+/* Returns the parts of the statement of an object, or of a checker behind its list: the shape, and each option with its words. */
 function object_parts(statement) {
   const parts = [{name: "shape", words: []}];
-  for (const word of statement.words.slice(1)) {
+  for (const word of statement.words.slice(is_checker(statement) ? 2 : 1)) {
     const option = !word.quoted && OBJECT_WORDS.has(word.text);
     if (option) parts.push({name: word.text, words: []});
     else parts[parts.length - 1].words.push(word);
@@ -98,17 +101,21 @@ function object_parts(statement) {
   return parts.map(({name, words}) => ({name, values: words.map(({text}) => text)}));
 }
 
-function parts_text(parts) {
+function parts_text(parts, head = "object") {
   const words = ({name, values}) => (name === "shape" ? [] : [name]).concat(values.map(as_word));
-  return ["object", ...parts.flatMap(words)].join(" ");
+  return [head, ...parts.flatMap(words)].join(" ");
 }
 
-/* Changes the parts of the object whose statement begins in a line. */
+/* Changes the parts of the object or checker whose statement begins in a line. */
 function with_object(text, line, change) {
   const found = statement_at(text, line), parts = object_parts(found);
   change(parts);
-  return replaced(text, found, parts_text(parts));
+  return replaced(text, found, parts_text(parts, is_checker(found) ? `checker ${as_word(found.words[1].text)}` : "object"));
 }
+
+/* Changes the parts of all objects, but for those that lie behind all others. */
+const with_objects = (text, change) => statements_of(text).filter(has_shape).reverse().reduce((left, {line}) => with_object(left, line, parts =>
+  parts.some(({name, values}) => name === "material" && /^back(ground|drop)$/.test(values[0])) || change(parts)), text);
 
 const last_of = parts => parts[parts.length - 1];
 
@@ -175,6 +182,14 @@ function set_part(parts, name, values, also = []) {
   else parts.splice(1, 0, {name, values});
 }
 
+/* Gives an object another shape, by its words: "teapot", "mesh chair". */
+function give_shape(parts, words) {
+  parts[0].values = words.split(" ");
+  for (const name of ["unitize", "crease"]) remove_part(parts, name);
+  if (parts[0].values[0] === "mesh") parts.splice(1, 0, {name: "unitize", values: []});
+  fit_relief(parts);
+}
+
 /* The divisions from which on a shape shows a relief, behind its lengths by the first one. */
 const DIVIDED = {sphere: [[], [96, 48]], torus: [[3], [48, 96]], box: [[1, 1], [32]], plane: [[1], [64]], cylinder: [[2], [96, 32]],
   cone: [[2], [96, 32]], disk: [[], [96, 32]], teapot: [[], [20]]};
@@ -217,7 +232,7 @@ function grid_parts(i, n) {
 /* Replaces a checker by its objects. materials: the name and the file of each. */
 function with_checker_opened(text, line, materials) {
   const found = statement_at(text, line), defined = new Map(), lines = [];
-  const pattern = object_parts({words: [found.words[0], ...found.words.slice(2)]});
+  const pattern = object_parts(found);
   for (const {words} of statements_of(text))
     if (words[0].text === "material") defined.set(words[1].text, words[2] && words[2].text);
   materials.forEach(({name, file}, i) => {

@@ -18,7 +18,7 @@ function count_frame({width}) {
 }
 
 function show_whole(answer, of) {
-  set_scene(answer.description);
+  if (is_described(of)) set_scene(answer.description);
   set_planes(answer.shape, answer.planes);
   linear = answer.linear;
   sources = {ambients: scene.ambients, lights: scene.lights};
@@ -30,7 +30,7 @@ function show_whole(answer, of) {
   fit_frame();
   present(answer.painted);
   refresh(of);
-  set_text("progress", `Drawn in ${answer.ms.toFixed(0)} ms.`);
+  set_text("progress", answer.to_come ? DRAWING : `Drawn in ${answer.ms.toFixed(0)} ms.`);
   show_text_error("");
 }
 
@@ -39,6 +39,12 @@ function refuse(error, of) {
   lines_are_known(of, error);
   show_refusal(error);
   show_text_error(error);
+}
+
+/* What stays true of the page, whatever picture comes. */
+function show_notice(text) {
+  set_text("notice", text);
+  element("notice").hidden = text === "";
 }
 
 function show_refusal(error) {
@@ -195,8 +201,8 @@ function refresh_sources() {
 function object_facts() {
   const object = chosen_object(), text = object && state.files[object.file];
   const found = text && statement_at(text, object.line);
-  if (!found || !["object", "checker"].includes(found.words[0].text)) return {};
-  const parts = object_parts(found.words[0].text === "checker" ? {words: [found.words[0], ...found.words.slice(2)]} : found);
+  if (!found || !has_shape(found)) return {};
+  const parts = object_parts(found);
   const material = materials_in(text).find(({words}) => words[1].text === object.name);
   const after = word => {
     const at = material ? material.words.findIndex((one, i) => i > 2 && one.text === word) : -1;
@@ -208,7 +214,7 @@ function object_facts() {
 
 function refresh_object() {
   const object = chosen_object(), facts = object_facts();
-  for (const control of element("object-group").querySelectorAll("input, select, button")) control.disabled = !object;
+  for (const control of element("object-group").querySelectorAll("input, select:not(#all-shapes), button")) control.disabled = !object;
   set_text("chosen", object ? object_name(chosen) : "Click an object of the picture, or choose one under Spectrum.");
   const own = state.baked ? material_names(text_of(state)) : [];
   const named = object ? object.name : "";
@@ -216,18 +222,19 @@ function refresh_object() {
     "in the scene": [...new Set([named, ...own])].filter(name => name).map(name => [`own ${name}`, name]),
     "built in": catalogue.materials.map(name => [`file ${name}`, name]),
     files: Object.keys(state.files).filter(name => /[.]txt$/i.test(name)).map(name => [`file ${name}`, name])}, `own ${named}`);
-  fill_menu("texture", {"": [["", "none"]], "built in": catalogue.textures.map(name => [name, name]),
-    files: Object.keys(state.files).filter(name => /[.]tiff?$/i.test(name)).map(name => [name, name])}, facts.texture || "");
+  const pictures = kind => ({"": [["", "none"]], "built in": catalogue[kind].map(name => [name, name]),
+    files: files_of_bytes().map(name => [name, name])});
+  fill_menu("texture", pictures("textures"), facts.texture || "");
   const [relief, height] = facts.relief || ["", "0"];
-  fill_menu("relief", {"": [["", "none"]], "built in": catalogue.reliefs.map(name => [name, name]),
-    files: Object.keys(state.files).filter(name => /[.]tiff?$/i.test(name)).map(name => [name, name])}, relief);
+  fill_menu("relief", pictures("reliefs"), relief);
   element("relief-slider").disabled = element("relief-height").disabled = !relief;
   refresh_height(Number(height));
   const [kind, file] = facts.shape || [object ? object.shape : ""];
-  fill_menu("object-shape", {shapes: catalogue.shapes.filter(name => name !== "mesh").map(name => [name, name]),
+  const shapes = {shapes: catalogue.shapes.filter(name => name !== "mesh").map(name => [name, name]),
     models: catalogue.models.map(name => [`mesh ${name}`, name]),
-    files: Object.keys(state.files).filter(name => /[.]obj$/i.test(name)).map(name => [`mesh ${name}`, name])},
-  kind === "mesh" ? `mesh ${file}` : kind);
+    files: Object.keys(state.files).filter(name => /[.]obj$/i.test(name)).map(name => [`mesh ${name}`, name])};
+  fill_menu("object-shape", shapes, kind === "mesh" ? `mesh ${file}` : kind);
+  fill_menu("all-shapes", {"": [["", "choose …"]], ...shapes}, "");
   if (document.activeElement !== element("gloss")) element("gloss").value = facts.gloss || "";
   add_triple("place", object ? place_of_object(object) : [0, 0, 0], vector => edit_object(GEOMETRY, parts =>
     move_object(parts, add_vectors(vector, origin_of(parts), -1))));
@@ -267,12 +274,8 @@ function listen_to_object() {
   });
   on_change("texture", value => edit_material("texture", value === "" ? null : `${as_word(value)} linear`));
   on_change("gloss", value => edit_material("gloss", value === "" ? null : value));
-  on_change("object-shape", value => edit_object(GEOMETRY | SPECTRA, parts => {
-    parts[0].values = value.split(" ");
-    for (const name of ["unitize", "crease"]) remove_part(parts, name);
-    if (value.startsWith("mesh ")) parts.splice(1, 0, {name: "unitize", values: []});
-    fit_relief(parts);
-  }));
+  on_change("object-shape", value => edit_object(GEOMETRY | SPECTRA, parts => give_shape(parts, value)));
+  on_change("all-shapes", value => value && shape_all(value));
   on_change("grow", (_, factor) => {
     if (factor > 0 && factor !== 1) edit_object(GEOMETRY, parts => scale_object(parts, factor));
   });
@@ -310,6 +313,8 @@ function listen_to_camera() {
   }
 }
 
+/* Files of bytes are pictures, in the formats that the program knows; all others are texts. */
+const files_of_bytes = () => Object.keys(state.files).filter(name => typeof state.files[name] !== "string");
 const text_files = () => Object.keys(state.files).filter(name => typeof state.files[name] === "string");
 
 async function refresh_text() {
@@ -437,10 +442,10 @@ async function save_stack() {
 
 const without_detector = words => words.filter(word => !word.startsWith("--detector="));
 
-/* Returns whether a text is a table of three values at each wavelength. */
-function is_detector_table(text) {
+/* Returns how many values a text has at each wavelength; 0: it is no table. Behind semicolons commas are decimal. */
+function channels_of(text) {
   const row = typeof text === "string" && text.split(/[\r\n]+/).find(line => /^\s*[\d.]/.test(line));
-  return Boolean(row) && row.trim().split(/[\s,;]+/).length === 4;
+  return row ? row.trim().split(row.includes(";") ? ";" : /[\s,]+/).length - 1 : 0;
 }
 
 /* Returns a state that is seen by the detector of a file. */
@@ -449,19 +454,26 @@ function seen_by(name, state) {
   return {...state, words: [...without_detector(state.words), `--detector=${name}`]};
 }
 
-/* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
-async function open_files(list) {
-  const files = {}, cube = [...list].find(({name}) => /[.]tiff?$/i.test(name));
-  if (cube && (await open_stack_file(cube.name, list) || is_stack())) return;
-  const large = [...list].find(({size}) => size > LARGEST_FILE);
+/* Opens files: a stack; or the first scene or list among them becomes the scene, and others become files that a scene can name. */
+async function open_files(dropped) {
+  const list = [...dropped], files = {}, heads = await Promise.all(list.map(file => content_of(file.slice(0, 512))));
+  const cube = list.find((_, i) => typeof heads[i] !== "string"), refusal = cube && await open_stack_file(cube.name, list);
+  if (cube && !refusal) return;
+  if (cube && is_stack() && !list_has_scene(list)) return show_message(refusal);
+  const large = list.find(({size}) => size > LARGEST_FILE);
   if (large) return show_message(`${large.name} is too large for this page.`);
   for (const file of list) files[file.name] = await content_of(file);
   const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
   const is_named = name => Object.values(files).some(text => typeof text === "string" && text.includes(name)); /* by a scene */
-  const detector = Object.keys(files).find(name => /[.](csv|txt)$/i.test(name) && is_detector_table(files[name]) && !is_named(name));
+  const tables = Object.keys(files).filter(name => /[.](csv|txt)$/i.test(name) && !is_named(name));
+  const detector = tables.find(name => channels_of(files[name]) === 3);
   if (detector && is_stack()) return show_message(`A page of a stack is made with a detector: spectral view STACK --detector ${detector}`);
   const all = {...state, files: {...state.files, ...files}}, next = detector ? seen_by(detector, all) : all;
-  return show_state(scene_name ? {...next, scene: scene_name, words: detector ? next.words.slice(-1) : [], baked: false} : next);
+  await show_state(scene_name ? {...next, scene: scene_name, words: detector ? next.words.slice(-1) : [], baked: false} : next);
+  const notices = tables.filter(name => channels_of(files[name]) > 3).map(name => `${name} has ${channels_of(files[name])} channels, and ` +
+    `a page sees by three; develop --raw and probe take any number. A light can take one of its spectra: write ${name}:NAME into the text.`);
+  if (refusal && !list_has_scene(list)) notices.push(`${refusal}; it is in the menus Texture and Relief now.`);
+  show_notice(notices.join(" "));
 }
 
 /* Shows another scene, also where the page has shown a stack so far. */
@@ -469,24 +481,26 @@ async function show_state(next) {
   document.body.classList.remove("stack");
   document.body.classList.add("live");
   stack = null;
+  show_notice("");
   if (live_started) return commit(next, GEOMETRY | SPECTRA);
   set_state(next, GEOMETRY | SPECTRA);
   await first_picture(null).catch(error => show_message(error.message));
 }
 
-/* Opens a stack from the disk: the program reads it piece by piece. Returns false if the file is no stack, as a texture. */
+/* Opens a stack from the disk: the program reads it piece by piece. Returns why it is none, as a texture; "": it is one. */
 async function open_stack_file(name, list) {
   set_text("progress", `Reading ${name} …`);
   const {bytes, error} = await ask_apart({task: "make", words: ["view", name, `--budget=${DROPPED_MB}`], path: "/page.planes"},
-    Object.fromEntries([...list].map(file => [file.name, file])));
+    Object.fromEntries(list.map(file => [file.name, file])));
   set_text("progress", "");
-  if (error && (is_stack() || !list_has_scene(list))) show_message(error);
   if (bytes) (stack && element("opens-beside").checked ? open_beside : open_stack)(read_stack(bytes));
-  return Boolean(bytes);
+  if (!error) return "";
+  const reason = error.replace(/^error: /, "");
+  return reason.startsWith(name + ":") ? reason : `${name} is no stack`;
 }
 
 const DROPPED_MB = 1000, LARGEST_FILE = 256e6;
-const list_has_scene = list => [...list].some(({name}) => /[.](scene|list|obj)$/i.test(name));
+const list_has_scene = list => list.some(({name}) => /[.](scene|list|obj)$/i.test(name));
 
 async function content_of(file) {
   const bytes = new Uint8Array(await file.arrayBuffer());
@@ -518,6 +532,7 @@ async function copy_link() {
   await all_edits();
   const link = await link_of_state();
   history.replaceState(null, "", link);
+  show_notice("");
   await navigator.clipboard?.writeText(link).catch(() => {});
   set_text("progress", `The address of this page holds its state now: ${link.length} characters.`);
 }
@@ -526,9 +541,11 @@ async function state_of_link() {
   const text = location.hash.slice(1).replaceAll("-", "+").replaceAll("_", "/");
   if (text === "") return null;
   try {
-    return JSON.parse(new TextDecoder().decode(await unpack(text, "deflate")));
+    const link = JSON.parse(new TextDecoder().decode(await unpack(text, "deflate")));
+    if (link.scene && link.words && link.files && link.eye) return link;
+    throw new Error();
   } catch {
-    show_message("The address of this page holds no state that can be read.");
+    show_notice("The address of this page was cut or changed, so that its link cannot be read. The page shows its own scene.");
     return null;
   }
 }
@@ -568,11 +585,24 @@ async function show_gallery() {
 
 /* ---- the start ---- */
 
-async function read_start() {
-  const start = JSON.parse(element("start").textContent), bytes = await unpack(element("files").textContent, "deflate");
-  const files = read_files(start.files, {bytes, at: 0});
-  start_words = start.options;
-  return {scene: start.scene, words: start.options, files, baked: false, gallery: start.gallery};
+async function state_of_page(start) {
+  const bytes = await unpack(element("files").textContent, "deflate");
+  return {scene: start.scene, words: start.options, files: read_files(start.files, {bytes, at: 0}), baked: false};
+}
+
+/* Says what the page is and what it waits for, until its program has drawn. */
+function show_start({scene, program}) {
+  document.title = `${scene} – spectral`;
+  set_text("name", scene);
+  set_text("program", program);
+  set_text("progress", "Starting: the program draws the scene …");
+  if (location.hash && element("first")) element("first").hidden = true; /* the link shows another picture */
+  show_started(false);
+}
+
+function show_started(started) {
+  document.body.classList.toggle("starting", !started);
+  for (const id of ["tools", "spectrum", "light-and-eye"]) element(id).inert = !started;
 }
 
 function listen_to_opening() {
@@ -624,21 +654,39 @@ function redraw_live(event) {
 }
 
 async function start_live() {
-  const since = performance.now();
-  if (location.hash) element("first")?.remove(); /* the link shows another picture */
+  const since = performance.now(), start = element("stack") ? null : JSON.parse(element("start").textContent);
+  if (start) show_start(start);
   compiled = await WebAssembly.compile(await unpack(element("module").textContent, "gzip"));
   start_drawers();
-  if (element("stack")) return start_opened_stack(since);
-  const link = await state_of_link();
-  set_state(link ? {scene: link.scene, words: link.words, files: link.files, baked: link.baked} : await read_start(), GEOMETRY | SPECTRA);
-  await first_picture(link);
+  if (!start) return start_opened_stack(since);
+  start_words = start.options;
+  const own = await state_of_page(start), link = await state_of_link();
+  const linked = link && {scene: link.scene, words: link.words, files: link.files, baked: link.baked};
+  set_state(linked || own, GEOMETRY | SPECTRA);
+  let error = "";
+  await first_picture(link).catch(async failure => {
+    if (!linked) throw failure;
+    error = failure.message;
+    set_state(own, GEOMETRY | SPECTRA);
+    await first_picture(null);
+  });
   listen();
   listen_to_opening();
   listen_to_stack();
+  if (error) mend_link(link, linked, error);
+  show_started(true);
   show_busy();
-  set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
   document.body.dataset.ready = "true";
-  if (state.gallery) await show_gallery();
+  if (start.gallery) await show_gallery();
+}
+
+/* A link to a scene that cannot be drawn: the page shows its own, and the text of the other to mend it. */
+function mend_link(link, linked, error) {
+  take_eye(link);
+  commit(linked, GEOMETRY | SPECTRA);
+  element("text-group").open = is_text(linked);
+  refuse(error, linked);
+  element("text-error").scrollIntoView({block: "end"});
 }
 
 /* A page of a stack can open scenes and other stacks, too. */
@@ -652,21 +700,34 @@ async function start_opened_stack(since) {
 
 let live_started = false;
 
+const FIRST_POSITIONS = 60000; /* these are drawn first where a scene has more, so that the page can be used soon */
+
+/* The picture in the page is the whole one already: it stays while the program draws it. */
+async function shown_first(painted) {
+  const image = element("first"), {width, height} = painted;
+  await image.decode();
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(image, 0, 0);
+  return {...painted, data: context.getImageData(0, 0, width, height).data};
+}
+
 /* The first picture comes before all that only menus need. */
 async function first_picture(link) {
   const drawer = drawers[0];
   drawer.send_files(state.files);
-  const answer = await drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys},
+  const answer = await drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys}, most: FIRST_POSITIONS,
     eye: link ? link.eye : eye_names(), exposure: link ? link.exposure : wanted_exposure(), whole: true});
   if (answer.error) throw new Error(answer.error);
   set_scene(answer.description);
   fill_eye_menus();
   element("handles").replaceChildren();
   if (link) take_eye(link);
+  if (answer.to_come && !link && element("first")) answer.painted = await shown_first(answer.painted);
   show_picture(answer.painted);
   await read_catalogue();
   fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
+  guess_coarseness(answer.to_come ? answer.ms * n_pixels / FIRST_POSITIONS : answer.ms);
   choose_scaling();
   if (!link && pixel !== null) cursor = first_place();
   listen_to_object();
@@ -675,4 +736,5 @@ async function first_picture(link) {
   listen_to_page();
   live_started = true;
   pick(cursor.x, cursor.y);
+  if (answer.to_come) want(false);
 }
