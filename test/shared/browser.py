@@ -88,8 +88,12 @@ class Page:
         return left + x * length, top + y * length
 
     def pixels(self):
-        """Red, green, blue and alpha of the picture [y, x, channel]."""
+        """Red, green, blue and alpha of the picture that was asked for [y, x, channel]."""
         self.settle()
+        return self.painted()
+
+    def painted(self):
+        """The same of the picture that is shown."""
         width, height, data = self.evaluate("""(() => {
             const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", {willReadFrequently: true});
             copy.drawImage(canvas, 0, 0);
@@ -372,10 +376,10 @@ class Firefox(Page):
     def size(self, width, height):
         self.send("WebDriver:SetWindowRect", width=width, height=height)
 
-    def open(self, path, fragment=""):
+    def open(self, path, fragment="", until="document.body?.dataset.ready === 'true'"):
         self.send("WebDriver:Navigate", url="about:blank")
         self.send("WebDriver:Navigate", url="file://" + os.path.abspath(path) + fragment)
-        self.wait("document.body?.dataset.ready === 'true'")
+        self.wait(until)
 
     def close(self):
         try:

@@ -10,6 +10,7 @@ import tarfile
 import time
 
 import numpy as np
+from PIL import Image
 
 from browser import Browser, Firefox
 from rendered import LIVE, TMP, bytes_of, check, developed, done, output_of, path_of, run, write, write_camera
@@ -43,6 +44,33 @@ def stacks(browser, which):
         saved = bytes_of(browser.download("save-stack", scene + ".tif"))
         check(saved == rendered(scene, "--size", SIZE), f"{which}, {scene}: the stack that the page saves is that of render")
 
+
+
+# ---- the start ----
+
+def start(browser, which):
+    """The page says that it starts, and can be used when a small picture is drawn; the first change does not show the old view again."""
+    browser.size(1400, 1000)
+    browser.open(view("room", "--size", "660x440"), until="document.body?.classList.contains('starting')")
+    title, name, said, grey = browser.evaluate("[document.title, element('name').textContent, element('progress').textContent,"
+                                               "[...document.querySelectorAll('[inert]')].map(one => one.id).join()]")
+    check(title == "room – spectral" and name == "room" and said.startswith("Starting: ") and grey == "tools,spectrum,light-and-eye",
+          f"{which}: until the program has drawn, the page has a title, says what it waits for, and controls are grey", title, name, said, grey)
+    browser.wait("document.body.dataset.ready === 'true'")
+    busy = browser.evaluate("element('shown').getAttribute('aria-busy') === 'true' && !document.querySelector('[inert]')")
+    browser.evaluate("(() => { window.small = shown; })()")
+    first, last = browser.painted(), browser.pixels()
+    agreed = browser.evaluate("shown.filter((surface, i) => surface === small[i]).length / n_pixels")
+    check(busy and np.abs(first.astype(int) - last).max() <= 1 and 0.9 < agreed < 1,
+          f"{which}: a small picture is enough to begin, and the page shows the whole one from the start", busy, agreed,
+          np.abs(first.astype(int) - last).max())
+    browser.evaluate("(() => { const shows = show_picture, tells = set_text; window.n_shown = 0; window.said = [];"
+                     "show_picture = painted => { n_shown++; shows(painted); };"
+                     "set_text = (id, text) => { if (id === 'progress') said.push(text); tells(id, text); }; })()")
+    browser.press("camera-d")
+    moved, said, n = browser.pixels(), browser.evaluate("said"), browser.evaluate("n_shown")
+    check(n == 1 and (moved != last).any(), f"{which}: the first change is drawn once, and not the old view", n)
+    check("Drawing …" in said and said[-1].startswith("Drawn in "), f"{which}: while it is drawn the page says so", *said)
 
 
 # ---- what a person does ----
@@ -447,6 +475,68 @@ def opening(browser, which):
           browser.message())
 
 
+def broken_links(browser, which):
+    """A link that was cut says so, and goes on; one to a scene with an error shows its text, which can be mended."""
+    page = view("spheres", "--size", "60x40")
+    browser.open(page)
+    fill(browser, "lights-1-intensity", "0.25")
+    link = lambda: (browser.press("copy-link"), browser.wait("location.hash.length > 20"), browser.evaluate("location.hash"))[-1]
+    whole = link()
+    for end in (2, 3, len(whole) // 2, len(whole) - 1):
+        browser.open(page, whole[:end])
+        first = browser.text("notice")
+        fill(browser, "lights-1-intensity", "0.5")
+        check("was cut" in first and browser.text("notice") == first and browser.message() == "" and browser.evaluate("state.scene") == "spheres.scene",
+              f"{which}: a link cut to {end} of {len(whole)} characters says so, and goes on when the scene changes", first, browser.text("notice"))
+    link()
+    check(browser.text("notice") == "", f"{which}: it says no more when the address is a link again")
+    browser.evaluate("(() => { const name = state.scene; commit({...state, files: {[name]: text_of(state).replace('camera perspective', 'camera perspectif')}}, 3); })()")
+    browser.settle()
+    browser.open(page, link())
+    browser.settle()
+    check(browser.evaluate("state.scene") == "spheres.scene" and "perspectif" in browser.message() and browser.evaluate("element('text-group').open")
+          and "perspectif" in browser.evaluate("element('text').value") and browser.evaluate("canvas.width") == 60,
+          f"{which}: a link to a scene with an error shows the error, the text, and the page's own scene", browser.message())
+    write_text(browser, text_of(browser).replace("perspectif", "perspective"))
+    check(browser.message() == "" and words_of(browser, "light")[2] == "0.5", f"{which}: the text can be mended", browser.message())
+
+
+def pictures(browser, which):
+    """A picture of each format that the program reads is a texture and a relief; of others it says what it lacks."""
+    squares = Image.fromarray(np.kron(np.indices((4, 4)).sum(axis=0) % 2 * 200 + 20, np.ones((4, 4))).astype(np.uint8))
+    names = [f"squares{ending}" for ending in (".png", ".sgi", ".tif")]
+    wall = write("wall.scene", "camera ortho 3\nsize 60 40\nlight d65 1 direction 3 1 1\nmaterial wall { diffuse 0.7 }\nobject plane 2 material wall\n")
+    for name in names:
+        squares.save(path_of(name))
+        browser.open(view(wall))
+        drop(browser, path_of(name))
+        check(name in browser.text("notice"), f"{which}, {name}: the page says where it is now", browser.text("notice"))
+        browser.click(*browser.at(30, 20))
+        browser.settle()
+        for menu, word in (("texture", f"texture {name} linear"), ("relief", f"displace {name} 0.1")):
+            before = browser.pixels()
+            browser.choose(menu, name)
+            check(word in text_of(browser) and browser.message() == "" and (browser.pixels() != before).any(),
+                  f"{which}, {name}: it is in the menu {menu}", text_of(browser), browser.message())
+    seen = browser.evaluate("eye.detector.name")
+    drop(browser, write("six.csv", "nm,a,b,c,d,e,f\n400,0,0,0,0,0,1\n700,1,0,0,0,0,0\n"))
+    check("six.csv has 6 channels" in browser.text("notice") and browser.evaluate("eye.detector.name") == seen,
+          f"{which}: a camera of six channels is told that a page sees by three", browser.text("notice"))
+
+
+def all_shapes(browser, which):
+    """Each choice of shape holds for all objects but the background, also those of a checker."""
+    for scene, kept in (("spheres", ""), ("colorchecker", "object sphere 14 40 40 material background translate 0 0 -16")):
+        browser.open(view(scene, "--size", "30x20"))
+        shapes = browser.evaluate("[...element('all-shapes').options].map(({value}) => value).filter(value => value)")
+        wrong = []
+        for words in shapes:
+            browser.choose("all-shapes", words)
+            shaped = [one for one in text_of(browser).splitlines() if re.match("object |checker ", one) and one != kept]
+            wrong += [one for one in shaped if not re.match(f"(object|checker colorchecker) {words}( |$)", one)] + [browser.message()]
+        check(len(shapes) > 15 and shaped and not any(wrong) and kept in text_of(browser), f"{which}, {scene}: all objects get each shape", wrong)
+
+
 # ---- the gallery and the plot ----
 
 POLICY = ("default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
@@ -616,14 +706,15 @@ def hostile(browser, which):
           browser.message())
 
 
-SELDOM = (gallery, plot, opening, hostile)  # in Firefox, with FULL only
+SELDOM = (start, gallery, plot, opening, broken_links, pictures, all_shapes, hostile)  # in Firefox, with FULL only
 BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 
 
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in (policy, gallery, plot, first_edits, quick_edits, typing, controls, opening, mistakes, hostile, stacks):
+        for part in (start, policy, gallery, plot, first_edits, quick_edits, typing, controls, opening, broken_links, pictures, all_shapes, mistakes,
+                     hostile, stacks):
             if which == "Chromium" or part not in SELDOM or os.environ.get("FULL"):
                 part(browser, which)
         if which == "Chromium":
