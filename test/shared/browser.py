@@ -93,7 +93,7 @@ class Page:
         return self.painted()
 
     def painted(self):
-        """The same of the picture that is shown."""
+        """Red, green, blue and alpha of the picture that is shown."""
         width, height, data = self.evaluate("""(() => {
             const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", {willReadFrequently: true});
             copy.drawImage(canvas, 0, 0);
