@@ -31,9 +31,10 @@ function record(next, concerns, group) {
   set_state(next, concerns);
 }
 
-/* The same, and draws it. */
+/* The same, and draws it. Where a whole picture takes long, a coarse one comes first. */
 function commit(next, concerns, group = {recorded: false}) {
   record(next, concerns, group);
+  if (concerns & GEOMETRY && coarseness === COARSEST) want(true);
   want(group.moving === true);
 }
 

@@ -602,7 +602,7 @@ function show_start({scene, program}) {
 
 function show_started(started) {
   document.body.classList.toggle("starting", !started);
-  for (const id of ["tools", "spectrum", "light-and-eye"]) element(id).inert = !started;
+  for (const part of document.querySelectorAll("#tools, #zooming, #spectrum, #light-and-eye")) part.inert = !started;
 }
 
 function listen_to_opening() {

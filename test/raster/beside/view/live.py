@@ -64,12 +64,13 @@ def start(browser, which):
     check(busy and np.abs(first.astype(int) - last).max() <= 1 and 0.9 < agreed < 1,
           f"{which}: a small picture is enough to begin, and the page shows the whole one from the start", busy, agreed,
           np.abs(first.astype(int) - last).max())
-    browser.evaluate("(() => { const shows = show_picture, tells = set_text; window.n_shown = 0; window.said = [];"
-                     "show_picture = painted => { n_shown++; shows(painted); };"
+    browser.evaluate("(() => { const shows = show_picture, tells = set_text; window.seen = []; window.said = [];"
+                     "const old = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;"
+                     "show_picture = painted => { seen.push(painted.data.length === old.length && painted.data.every((byte, i) => byte === old[i])); shows(painted); };"
                      "set_text = (id, text) => { if (id === 'progress') said.push(text); tells(id, text); }; })()")
     browser.press("camera-d")
-    moved, said, n = browser.pixels(), browser.evaluate("said"), browser.evaluate("n_shown")
-    check(n == 1 and (moved != last).any(), f"{which}: the first change is drawn once, and not the old view", n)
+    moved, said, seen = browser.pixels(), browser.evaluate("said"), browser.evaluate("seen")
+    check(seen and not any(seen) and (moved != last).any(), f"{which}: the first change is drawn, and not the old view before it", seen)
     check("Drawing …" in said and said[-1].startswith("Drawn in "), f"{which}: while it is drawn the page says so", *said)
 
 
