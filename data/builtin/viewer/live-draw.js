@@ -115,10 +115,10 @@ function coarse_words(factor) {
   return factor === 1 || !shape ? [] : [`--size=${size(shape.width)}x${size(shape.height)}`, "--samples=1"];
 }
 
-/* Ends workers that have drawn a picture older than this one for so long. */
+/* Ends workers that have drawn a picture older than this one for so long: patience_ms(drawer). */
 function end_late(newest, patience_ms) {
   drawers.forEach((drawer, i) => {
-    if (drawer.since === null || drawer.picture >= newest || performance.now() - drawer.since < patience_ms) return;
+    if (drawer.since === null || drawer.picture >= newest || performance.now() - drawer.since < patience_ms(drawer)) return;
     drawer.end();
     drawers[i] = new Drawer(compiled);
   });
@@ -146,7 +146,7 @@ function end_wait() {
 }
 
 async function pump() {
-  if (wanted) end_late(asked + 1, PATIENCE_MS);
+  if (wanted) end_late(asked + 1, ({whole}) => whole && wanted.moving ? SHORT_MS : PATIENCE_MS); /* a whole one would come too late */
   const drawer = drawers.find(one => one.since === null);
   show_busy();
   if (!wanted || !drawer) return;
@@ -167,7 +167,7 @@ async function pump() {
     else if (moving) show_moving(answer);
     else if (!wanted) {
       show_whole(answer, of);
-      end_late(number, SHORT_MS);
+      end_late(number, () => SHORT_MS);
     }
   }
   pump();
