@@ -26,10 +26,9 @@ function enlarge({surfaces, values}, {width, height}) {
   return {surfaces: spread(surfaces), values: values.map(spread)};
 }
 
-/* Returns the options for a picture of about so many positions, or none where the scene has not many more. */
+/* Returns the options for a picture of about so many pixels, or none where the scene has not many more. */
 function smaller_words(most) {
-  const factor = Math.sqrt(scene.width * scene.height * scene.positions ** 2 / most);
-  const size = part => Math.max(1, Math.round(part / factor * scene.positions));
+  const factor = Math.sqrt(scene.width * scene.height / most), size = part => Math.max(1, Math.round(part / factor));
   return factor < 2 ? [] : [`--size=${size(scene.width)}x${size(scene.height)}`, "--samples=1"];
 }
 
@@ -56,7 +55,7 @@ function rasterize(scene_words, key, enlarged) {
 }
 
 /* Draws and paints. With `whole`, all that the page needs to show spectra comes along. With `most`, a picture of about
- * so many positions stands for a much larger one, which is `to_come` then. */
+ * so many pixels stands for a much larger one, which is `to_come` then. */
 function draw({words, size, keys, eye, exposure, whole, most}) {
   const description = describe(words, keys, whole), since = performance.now();
   if (description.error) return description;

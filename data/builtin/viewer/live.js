@@ -700,7 +700,7 @@ async function start_opened_stack(since) {
 
 let live_started = false;
 
-const FIRST_POSITIONS = 60000; /* these are drawn first where a scene has more, so that the page can be used soon */
+const FIRST_PIXELS = 60000; /* these are drawn first where a scene has more, so that the page can be used soon */
 
 /* The picture in the page is the whole one already: it stays while the program draws it. */
 async function shown_first(painted) {
@@ -715,7 +715,7 @@ async function shown_first(painted) {
 async function first_picture(link) {
   const drawer = drawers[0];
   drawer.send_files(state.files);
-  const answer = await drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys}, most: FIRST_POSITIONS,
+  const answer = await drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys}, most: FIRST_PIXELS,
     eye: link ? link.eye : eye_names(), exposure: link ? link.exposure : wanted_exposure(), whole: true});
   if (answer.error) throw new Error(answer.error);
   set_scene(answer.description);
@@ -727,7 +727,7 @@ async function first_picture(link) {
   await read_catalogue();
   fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
-  guess_coarseness(answer.to_come ? answer.ms * n_pixels / FIRST_POSITIONS : answer.ms);
+  guess_coarseness(answer.to_come ? answer.ms * n_pixels / FIRST_PIXELS : answer.ms);
   choose_scaling();
   if (!link && pixel !== null) cursor = first_place();
   listen_to_object();

@@ -377,7 +377,6 @@ char *description_make(const struct viewing *view, struct error *err)
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
-    json_count(json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
     put_camera(json, &scene->camera);
     add_builtins(&describer);
     if (MAKE_ARRAY(describer.row, (size_t)view->plan->n_bands, err, "the spectra of a page") &&

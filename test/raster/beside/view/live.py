@@ -54,7 +54,7 @@ def start(browser, which):
     browser.open(view("room", "--size", "660x440"), until="document.body?.classList.contains('starting')")
     title, name, said, grey = browser.evaluate("[document.title, element('name').textContent, element('progress').textContent,"
                                                "[...document.querySelectorAll('[inert]')].map(one => one.id).join()]")
-    check(title == "room – spectral" and name == "room" and said.startswith("Starting: ") and grey == "tools,spectrum,light-and-eye",
+    check(title == "room – spectral" and name == "room" and said.startswith("Starting: ") and grey == "zooming,tools,spectrum,light-and-eye",
           f"{which}: until the program has drawn, the page has a title, says what it waits for, and controls are grey", title, name, said, grey)
     browser.wait("document.body.dataset.ready === 'true'")
     busy = browser.evaluate("element('shown').getAttribute('aria-busy') === 'true' && !document.querySelector('[inert]')")
