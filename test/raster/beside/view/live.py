@@ -609,7 +609,7 @@ MISTAKES = (
     ("object sphere 1.2 40 40 material red", "object spere 1.2 40 40 material red", "sphere"),
     ("{ diffuse 0.04 specular 0.9  gloss 100 }", "{ diffuse 0.04 specular 0.9  gloss 100", "}"),
     ("light a 0.95", "light a -0.95", "intensity"),
-    ("wavelengths 400 700 10", "wavelengths 400 700 1e999", "step"),
+    ("wavelengths 400 700 10", "wavelengths 400 700 1e999", "STEP"),
     ("viewer local", "viewer local\ninclude spheres.scene", "include"),
 )
 
