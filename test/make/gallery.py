@@ -146,8 +146,9 @@ def see(folder, name, command, ending, size, click):
     if click:
         browser.wait("document.body.dataset.ready === 'true'")
         browser.wait("document.getElementById('gallery').hidden || document.body.dataset.gallery === 'true'")
+        browser.settle()
         browser.click(*click)
-        browser.evaluate("new Promise(requestAnimationFrame)")
+        browser.settle()
     save_shot(browser, folder, name)
 
 
