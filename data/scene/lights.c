@@ -157,8 +157,7 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
         return false;
     const char *equals = strchr(text.at, '=');
     if (!equals)
-        return error_at(err, text_place(&text),
-                        "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
+        return error_at(err, text_place(&text), "expected N=SPECTRUM[*FACTOR], not '%s'", value);
     const struct word number = option_word(&text, text.at, equals);
     if (!word_integer(&number, "light", 1, LONG_MAX, &n, err))
         return false;
