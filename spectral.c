@@ -72,7 +72,7 @@ static bool greet(struct error *err)
 static bool print_version(struct error *err)
 {
     struct printed printed = {.text = NULL};
-    char gl[256];
+    char gl[1024];
     const char *tiff = stack_library();
     snprintf(gl, sizeof gl, "without OpenGL");
     if (drawing_ways.library)
