@@ -102,7 +102,7 @@ def missing():
           result.stderr and "--renderer raster needs none" in result.stderr, "without both it says which packages have them", result.stderr)
     check(run(*drawing, "--renderer", "raster", "--no-check", program=program).returncode == 0, "the reference needs neither")
     check(run("cost", "patches", "--size", "30x20", "--quiet", "--csv", "/dev/null", program=program).returncode == 0, "cost measures the reference")
-    check("\nOpenGL cannot draw: OpenGL is missing: there is no libOSMesa" in run("--version", program=program).stdout, "--version says that there is no OpenGL")
+    check("\nOpenGL cannot draw: OpenGL is missing: there is no libXXXXXX" in run("--version", program=program).stdout, "--version says that there is no OpenGL")
     libraries = subprocess.run(["ldd", SPECTRAL], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
     check(not re.search("OSMesa|EGL|libGL|LLVM", libraries), "no library of OpenGL is linked", libraries)
 
