@@ -40,16 +40,21 @@ struct polygon {
     struct cut_corner cut[CLIP_CORNERS];
 };
 
+/* A corner's distance from a plane; negative: it lies outside. */
+static double signed_distance(const struct clip_plane *plane, const double clip[4])
+{
+    const double *normal = plane->normal;
+    return normal[0] * clip[0] + normal[1] * clip[1] + normal[2] * clip[2] + normal[3] * clip[3] +
+           plane->offset;
+}
+
 /* Returns a corner's distance from a plane, with a bound on OpenGL's error in it: of the corner's
  * place, and of the sum of four products. A tile's clip space is shifted by at most w, which comes
  * into the sum. The offset is only ours. */
 static struct bounded corner_distance(const struct clip_plane *plane, const double clip[4],
                                       const struct cut_corner *cut, double *rounding)
 {
-    const double *normal = plane->normal, distance = normal[0] * clip[0] + normal[1] * clip[1] +
-                                                     normal[2] * clip[2] + normal[3] * clip[3] +
-                                                     plane->offset;
-    struct bounded out = {fabs(distance), fabs(plane->offset)};
+    struct bounded out = {fabs(signed_distance(plane, clip)), fabs(plane->offset)};
     *rounding = roundings(4) * fabs(clip[CLIP_W]);
     for (int i = 0; i < 4; i++) {
         *rounding += roundings(4) * fabs(plane->normal[i] * clip[i]);
@@ -201,9 +206,24 @@ static void keep_doubtful(struct polygon *polygon, struct clip_plane *side)
     side->offset += deepest;
 }
 
+/* Returns whether all corners lie inside a plane, whatever their errors: it cuts nothing. */
+static bool is_inside(const struct polygon *polygon, const struct clip_plane *plane)
+{
+    for (int i = 0; i < polygon->n; i++) {
+        const double *at = polygon->corner[i].clip;
+        double rounding;
+        if (!(signed_distance(plane, at) >
+              corner_distance(plane, at, &polygon->cut[i], &rounding).error))
+            return false;
+    }
+    return true;
+}
+
 /* Cuts by plane number p. */
 static void clip(struct polygon *polygon, struct clip_plane plane, int p)
 {
+    if (is_inside(polygon, &plane))
+        return;
     const struct polygon from = *polygon;
     if (p < 4)
         keep_doubtful(polygon, &plane);
