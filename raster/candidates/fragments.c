@@ -15,7 +15,8 @@ struct visit {
     const struct volume *volume; /* a facet of this shadow volume; NULL: of an object */
     int facet;                   /* its number in the volume */
     int32_t triangle;
-    bool any; /* some pixel's list has it */
+    bool any;      /* some pixel's list has it */
+    bool is_plain; /* a facet: see is_plain */
     struct fragment_list *pixel;
     double x, y;
     struct edge_functions edges;
@@ -279,15 +280,20 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 
 /* ---- triangles ---- */
 
-/* Goes to a pixel. Returns the clipped triangles that OpenGL may have there; 0: it has none. */
-static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence)
+static void go_to(struct visit *visit, int x, int y)
 {
-    const struct bounded_triangle *triangle = visited(visit);
     const struct rectangle *rows = &visit->of->rows;
     visit->x = x + 0.5;
     visit->y = y + 0.5;
     visit->pixel =
         &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
+}
+
+/* Finds the presence at the pixel. Returns the clipped triangles that OpenGL may have there; 0: it
+ * has none. */
+static unsigned present_at(struct visit *visit, enum presence *presence)
+{
+    const struct bounded_triangle *triangle = visited(visit);
     *presence =
         presence_at(&triangle->screen, &triangle->edges, true, visit->x, visit->y, &visit->edges);
     return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
@@ -299,7 +305,8 @@ static bool visit_pixel(void *context, int x, int y)
     struct visit *visit = context;
     const struct bounded_triangle *triangle = visited(visit);
     enum presence presence;
-    const unsigned clipped = go_to(visit, x, y, &presence);
+    go_to(visit, x, y);
+    const unsigned clipped = present_at(visit, &presence);
     if (clipped == 0)
         return true;
     struct fragment fragment = {.triangle = visit->triangle,
@@ -397,6 +404,23 @@ static bool facet_leaks(const struct visit *visit, enum presence presence, doubl
     return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || visit->on_seam);
 }
 
+/* Returns whether a plain facet may lie in front of a fragment of the pixel as well as behind it,
+ * or meet one that OpenGL may not have. This is cheap, and of most facets that is all. */
+static bool is_near(const struct visit *visit)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    struct edge_functions edges;
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &edges);
+    const double depth = depth_at(&triangle->screen, &edges);
+    for (int32_t f = visit->pixel->head; f >= 0; f = visit->of->fragments[f].next) {
+        const struct fragment *fragment = &visit->of->fragments[f];
+        if (!fragment->is_definite ||
+            fabs(depth - fragment->depth) <= triangle->depth_error + fragment->depth_error)
+            return true;
+    }
+    return false;
+}
+
 /* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
  * OpenGL may not have, where the facet has an edge, too: they may be neighbours. A fragment is in
  * a shadow by the number of facets behind it, and in doubt if these may leak. */
@@ -406,8 +430,11 @@ static bool visit_facet(void *context, int x, int y)
     struct fragments *of = visit->of;
     const struct bounded_triangle *triangle = visited(visit);
     enum presence presence;
-    const unsigned clipped = go_to(visit, x, y, &presence);
     bool thin;
+    go_to(visit, x, y);
+    if (visit->pixel->head < 0 || (visit->is_plain && !is_near(visit)))
+        return true;
+    const unsigned clipped = present_at(visit, &presence);
     if (clipped == 0)
         return true;
     is_loose(visit, clipped, &thin);
@@ -423,6 +450,18 @@ static bool visit_facet(void *context, int x, int y)
             fragment->in_doubt |= (uint32_t)1 << visit->volume->shadowed;
     }
     return true;
+}
+
+/* Returns whether facet_leaks is false wherever a facet is, and its depth has a bound there. */
+static bool is_plain(const struct visit *visit, const struct triangle_part *part)
+{
+    const struct volume *volume = visit->volume;
+    bool plain = visit->of->tile->lit->driver->watertight && !part->bounded.cut &&
+                 volume->caps[visit->facet].surface < 0 && part->bounded.n_slivers == 0 &&
+                 (visit->facet < volume->first_beyond || visit->facet >= volume->first_far);
+    for (int32_t i = 0; i < part->bounded.n_clipped; i++)
+        plain = plain && part->clipped[i].magnification < HUGE_VAL;
+    return plain;
 }
 
 /* The far end that lies beyond the far plane for sure is clamped to it, behind all. */
@@ -442,6 +481,7 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
             struct visit visit = {.of = of, .volume = volume, .facet = t};
             if (watertight && is_far && least_of(bounded->screen.z) > 1 + bounded->depth_error)
                 continue;
+            visit.is_plain = is_plain(&visit, &parts[i]);
             if (!visit_part(&visit, &parts[i], visit_facet))
                 return false;
         }
