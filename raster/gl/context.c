@@ -1,8 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* The choice of a library, and its canvases. */
+#include <malloc.h>
+
 #include "raster/gl/inside.h"
 
 /* ---- the library ---- */
+
+/* Mesa takes and frees blocks of megabytes in each draw. The GNU C library gives them back to the
+ * kernel, which clears them for the next draw: with these bytes it keeps them. */
+static void keep_freed_blocks(void)
+{
+#ifdef M_TOP_PAD
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    mallopt(M_TOP_PAD, 1 << 26);
+#endif
+}
 
 static bool refuse_missing(bool osmesa, bool egl, struct error *err)
 {
@@ -40,6 +53,7 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
     const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
                osmesa = (any && !shaders) || strcmp(wanted, "osmesa") == 0;
     const bool egl = any || !osmesa;
+    keep_freed_blocks();
     if (osmesa && shaders)
         return error_unsupported(err, "OSMesa draws without shaders here; add --gl egl");
     if (osmesa && !open_kind(contexts, &osmesa_kind, -1, err))
