@@ -76,7 +76,7 @@ static int nearness(const struct word *typed, const char *known, size_t length)
                : smaller(whole, distance_of(last, known + in_known, length - in_known) + 1);
 }
 
-/* Words of other programs, and what to write here where the known word could stand; "": anywhere.
+/* Words of other programs, and what to write here in their place where the known word could stand.
  */
 static const struct habit {
     const char *words, *known, *meant;

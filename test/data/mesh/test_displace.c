@@ -209,17 +209,22 @@ static void check_nothing(void)
     mesh_free(&from);
 }
 
-/* Two triangles back to back, of six vertices. */
+static struct mesh two_triangles(struct vertex vertices[6], int32_t triangles[2][3])
+{
+    return (struct mesh){.vertices = vertices,
+                         .triangles = triangles,
+                         .n_vertices = 6,
+                         .n_triangles = 2,
+                         .n_parts = 1};
+}
+
+/* They lie back to back. */
 static void check_sheet(void)
 {
     struct vertex vertices[6];
     int32_t triangles[2][3] = {{0, 1, 2}, {3, 5, 4}};
     const struct vector corner[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct mesh mesh = {.vertices = vertices,
-                        .triangles = triangles,
-                        .n_vertices = 6,
-                        .n_triangles = 2,
-                        .n_parts = 1};
+    struct mesh mesh = two_triangles(vertices, triangles);
     for (int i = 0; i < 6; i++)
         vertices[i] = (struct vertex){corner[i % 3], {0, 0, i < 3 ? 1 : -1}, 0, 0};
     displace(&mesh, NULL, 0.5);
@@ -242,11 +247,7 @@ static void check_minus_zero(void)
     int32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
     const struct vector corner[6] = {{0.0, 0, 0},  {1, 0, 0},    {0.0, 1, 0},
                                      {-0.0, 0, 0}, {-0.0, 1, 0}, {-1, 0, 0}};
-    struct mesh mesh = {.vertices = vertices,
-                        .triangles = triangles,
-                        .n_vertices = 6,
-                        .n_triangles = 2,
-                        .n_parts = 1};
+    struct mesh mesh = two_triangles(vertices, triangles);
     for (int i = 0; i < 6; i++)
         vertices[i] = (struct vertex){corner[i], {0, 0, 1}, i < 3 ? 0.2 : 0.4, 0};
     displace(&mesh, by_texture, 1);
