@@ -187,14 +187,9 @@ bool json_write(struct json *json, const char *path, struct outputs *outputs, st
 bool report_write(struct options *options, struct json *json, struct printed *text,
                   struct error *err)
 {
-    const bool wanted = options->output || !options->json;
-    bool done = true;
-    if (options->json)
-        done = json_write(json, options->json, &options->outputs, err);
-    else
-        free(printed_end(&json->printed));
-    if (done && wanted)
-        return printed_write(text, options->output ? options->output : "-", &options->outputs, err);
-    free(printed_end(text));
+    bool done = !options->json || json_write(json, options->json, &options->outputs, err);
+    if (done && (options->output || !options->json))
+        done = printed_write(text, options->output ? options->output : "-", &options->outputs, err);
+    FREE_ALL(json->printed.text, text->text); /* those that were not written */
     return done;
 }
