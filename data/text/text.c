@@ -42,16 +42,15 @@ static bool check_format(const struct text *text, bool xml, struct error *err)
                                                     : "scenes, tables and OBJ meshes are");
 }
 
-/* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */
+/* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. The caller
+ * frees *text, also after a failure. */
 static bool start(struct text *text, const char *name, char *bytes, size_t longest,
                   struct error *err)
 {
     *text = (struct text){.bytes = bytes, .separators = ""};
     if (!string_copy(name, &text->path, err) ||
-        (bytes == NULL && !memory_lacks(err, 0, "the text of %s", name))) {
-        text_free(text);
+        (bytes == NULL && !memory_lacks(err, 0, "the text of %s", name)))
         return false;
-    }
     text->length = strlen(bytes);
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
     text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
@@ -60,10 +59,7 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     if (strchr(bytes, '\n') == NULL)
         while ((bytes = strchr(bytes, '\r')) != NULL)
             *bytes++ = '\n';
-    if (check_lengths(text, longest, err))
-        return true;
-    text_free(text);
-    return false;
+    return check_lengths(text, longest, err);
 }
 
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err)
@@ -71,17 +67,19 @@ bool text_open(struct text *out, const char *path, struct place from, int may, s
     const size_t longest = may & TEXT_LARGE ? SIZE_MAX : LONGEST_TEXT;
     char *bytes = file_read(path, from, err);
     const bool noted = bytes && digest_note(path, bytes, strlen(bytes), err);
-    if (!start(out, path, bytes, longest, err))
-        return false;
-    if (noted && check_format(out, (may & TEXT_XML) != 0, err))
-        return true;
-    text_free(out);
-    return false;
+    const bool done = start(out, path, bytes, longest, err) && noted &&
+                      check_format(out, (may & TEXT_XML) != 0, err);
+    if (!done)
+        text_free(out);
+    return done;
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
-    return start(out, name, strdup(string), LONGEST_TEXT, err);
+    const bool done = start(out, name, strdup(string), LONGEST_TEXT, err);
+    if (!done)
+        text_free(out);
+    return done;
 }
 
 void text_free(struct text *text)
