@@ -110,29 +110,26 @@ void digest_bytes(const void *bytes, size_t length, char out[65])
 /* The digests of the texts that this process has read, each of the bytes as they were read: a stack
  * records them, however its files change while it is drawn. Whoever reads a file need not know who
  * records it: so the list is kept by the process, and not passed along. */
-struct sha256 {
-    char text[65];
-};
 static struct {
     pthread_mutex_t lock;
     struct index paths;
-    struct sha256 *list;
+    char (*list)[65];
     int n;
 } were_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 bool digest_note(const char *path, const void *bytes, size_t length, struct error *err)
 {
-    struct sha256 sha256;
+    char sha256[65];
     if (path_is_builtin(path))
         return true;
-    digest_bytes(bytes, length, sha256.text);
+    digest_bytes(bytes, length, sha256);
     pthread_mutex_lock(&were_read.lock);
     const int known = index_find(&were_read.paths, path, strlen(path));
     const bool done =
-        known >= 0 || (array_add(&were_read.list, &were_read.n, &sha256, sizeof sha256, err) &&
+        known >= 0 || (array_add(&were_read.list, &were_read.n, sha256, sizeof sha256, err) &&
                        index_add(&were_read.paths, path, strlen(path), were_read.n - 1, err));
     if (known >= 0)
-        were_read.list[known] = sha256; /* the last one */
+        memcpy(were_read.list[known], sha256, sizeof sha256); /* the last one */
     pthread_mutex_unlock(&were_read.lock);
     return done;
 }
@@ -163,7 +160,7 @@ bool digest_file(const char *path, char out[65], struct error *err)
     pthread_mutex_lock(&were_read.lock);
     const int known = index_find(&were_read.paths, path, strlen(path));
     if (known >= 0)
-        memcpy(out, were_read.list[known].text, sizeof were_read.list[known].text);
+        memcpy(out, were_read.list[known], sizeof *were_read.list);
     pthread_mutex_unlock(&were_read.lock);
     return known >= 0 || digest_now(path, out, err);
 }
