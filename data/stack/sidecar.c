@@ -8,10 +8,10 @@
 
 /* ---- the header ---- */
 
-/* Ends a value of a list, and begins a new line behind each eighth. */
-static void put_comma(struct printed *to, int i, int n)
+/* Returns what stands behind value i of a list of n: a new line begins behind each eighth. */
+static const char *behind(int i, int n)
 {
-    print_text(to, i == n - 1 ? "}\n" : i % 8 == 7 ? ",\n " : ", ");
+    return i == n - 1 ? "}\n" : i % 8 == 7 ? ",\n " : ", ";
 }
 
 /* Braces and control characters would end the value. */
@@ -58,22 +58,17 @@ static void put_bands(struct printed *to, const struct cube *cube,
         snprintf(label, sizeof label, PAGE_LABEL, nm[i]);
         if (cube->components)
             sampling_label(method, i, label);
-        print_text(to, label);
-        put_comma(to, i, n);
+        print(to, "%s%s", label, behind(i, n));
     }
     if (cube->components)
         return;
     print_text(to, "wavelength units = Nanometers\nwavelength = {\n ");
-    for (int i = 0; i < n; i++) {
-        print(to, "%.10g", nm[i]);
-        put_comma(to, i, n);
-    }
+    for (int i = 0; i < n; i++)
+        print(to, "%.10g%s", nm[i], behind(i, n));
     if (n > 1)
         print_text(to, "fwhm = {\n ");
-    for (int i = 0; i < n && n > 1; i++) {
-        print(to, "%.10g", page_width_nm(nm, n, i));
-        put_comma(to, i, n);
-    }
+    for (int i = 0; i < n && n > 1; i++)
+        print(to, "%.10g%s", page_width_nm(nm, n, i), behind(i, n));
 }
 
 /* Returns whether each page is lit by 1 all in all: then a radiance of 1 is a reflectance of 1. */
@@ -92,10 +87,8 @@ static void put_scale(struct printed *to, const struct cube *cube, int bits)
     const double gain = bits == 32 ? 1 : cube->image.scale / (bits == 8 ? 255 : 65535);
     if (gain != 1)
         print_text(to, "data gain values = {\n ");
-    for (int i = 0; i < n && gain != 1; i++) {
-        print(to, "%.17g", gain);
-        put_comma(to, i, n);
-    }
+    for (int i = 0; i < n && gain != 1; i++)
+        print(to, "%.17g%s", gain, behind(i, n));
     if (is_lit_by_one(&cube->record))
         print(to, "reflectance scale factor = %.17g\n", 1 / gain);
 }
