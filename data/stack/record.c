@@ -229,15 +229,15 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
 {
     const struct scene *scene = made->scene;
     struct inputs inputs;
-    const bool done = inputs_list(scene, made->detector, false, &inputs, err);
+    const bool done = inputs_list(scene, made->options->detector, false, &inputs, err);
     record_put(to, "program", PROGRAM);
     record_put(to, "scene", scene->path);
     record_put(to, "scene_sha256", scene->sha256);
     for (int i = 0; i < inputs.n; i++)
         record_put(to, "file", inputs.file[i]);
     inputs_free(&inputs);
-    for (int i = 0; i < made->n_options; i++)
-        record_put(to, "option", made->options[i]);
+    for (int i = 0; i < made->options->n_recorded; i++)
+        record_put(to, "option", made->options->recorded[i]);
     record_put(to, "renderer", made->renderer);
     if (made->mipmaps)
         record_put(to, "mipmaps", made->mipmaps);

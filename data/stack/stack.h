@@ -83,10 +83,8 @@ struct record {
 struct recorded {
     const struct scene *scene;
     const struct sampling *sampling; /* NULL: none */
-    const char *detector;            /* that the scene is drawn for; NULL: none */
     const char *renderer, *mipmaps;  /* as in struct record */
-    char *const *options;            /* n_options, each one word */
-    int n_options;
+    const struct options *options;   /* with those that are recorded, and the detector */
 };
 /* Print lines "KEY: VALUE" of a record; in values, control characters, bytes that are no UTF-8, and
  * '%' become %XX, as in a URL. First comes the scene with its files, lights, white and sampling;

@@ -96,16 +96,13 @@ static char *make_provenance(const struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
     const struct part_rows *rows = &of->result->rows;
-    const struct options *options = of->output->options;
     const struct recorded made = {.scene = plan->scene,
                                   .sampling = plan->sampling,
-                                  .detector = options->detector,
                                   .renderer = render_stored(plan, of->result),
                                   .mipmaps = !plan_has_mipmaps(plan)      ? NULL
                                              : plan->options.store_raster ? "specification"
                                                                           : of->result->driver.name,
-                                  .options = options->recorded,
-                                  .n_options = options->n_recorded};
+                                  .options = of->output->options};
     struct printed lines = {.text = NULL};
     record_put_scene(&lines, &made, err);
     for (int i = 0; i < plan->n_instances && plan->map_bytes > 0; i++)

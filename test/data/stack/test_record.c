@@ -66,10 +66,8 @@ static void check_round_trip(const char *path)
                                 .n_lights = 2,
                                 .ambients = &ambient,
                                 .n_ambients = 1};
-    const struct recorded made = {.scene = &scene,
-                                  .renderer = "<none>",
-                                  .options = (char *[]){(char[]){"--a"}, strange},
-                                  .n_options = 2};
+    const struct options options = {.recorded = {(char[]){"--a"}, strange}, .n_recorded = 2};
+    const struct recorded made = {.scene = &scene, .renderer = "<none>", .options = &options};
     const struct spectral_pages pages = scene_pages(&scene);
     double white;
     struct record read;
