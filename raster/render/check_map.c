@@ -106,12 +106,3 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
     }
     return done;
 }
-
-/* ---- the end ---- */
-
-void check_map_discard(struct check_map *map)
-{
-    picture_discard(&map->picture);
-    free(map->samples);
-    map->samples = NULL;
-}

@@ -17,16 +17,14 @@ void notes_of_nothing(const struct plan *plan, struct notes *notes);
  * band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the two floors
  * in colours, side by side. */
 struct check_map {
-    struct picture_writer picture; /* the caller finishes and commits it */
-    float *samples;                /* of a chunk; owned */
+    struct picture_writer picture; /* the caller finishes, commits and discards it */
+    float *samples;                /* of a chunk; the caller frees them, also after a failure */
 };
 /* Prints the meaning of a PNG's colours, in a line without its end. */
 void check_map_print_colours(struct printed *to);
-/* check_map_discard frees *out, also after a failure. */
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
-void check_map_discard(struct check_map *map); /* safe after commit */
 
 /* ---- render.c: everything before the first pixel, and after the last one ---- */
 

@@ -235,7 +235,8 @@ bool render(const struct plan *plan, const struct render_output *output,
         notes_of_nothing(plan, output->notes);
     stack_discard(&of.stack); /* keeps a stack that has been passed on */
     fit_free(&of.check_scene.fit);
-    check_map_discard(&of.map);
+    picture_discard(&of.map.picture);
+    free(of.map.samples);
     totals_free(&of.totals);
     if (of.renderer && of.renderer->kind->close)
         of.renderer->kind->close(of.renderer);
