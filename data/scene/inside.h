@@ -88,7 +88,6 @@ bool material_keep(struct scene *scene, struct material *material, bool good, st
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
-void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */
 
 /* object.c: shapes, objects and grids of them. */
 bool object_read(struct scene_reader *reader, struct error *err);

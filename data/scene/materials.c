@@ -320,12 +320,3 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
             return false;
     return true;
 }
-
-void materials_forget(struct scene_reader *reader)
-{
-    index_free(&reader->named);
-    index_free(&reader->listed);
-    for (int i = 0; i < reader->n_mtl; i++)
-        mtl_free(&reader->mtl[i]);
-    free(reader->mtl);
-}

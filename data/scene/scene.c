@@ -165,7 +165,11 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     *out = (struct scene){0};
     view_set_defaults(out);
     done = read_named(&reader, name, err);
-    materials_forget(&reader);
+    index_free(&reader.named);
+    index_free(&reader.listed);
+    for (int i = 0; i < reader.n_mtl; i++)
+        mtl_free(&reader.mtl[i]);
+    free(reader.mtl);
     tables_free(&out->tables);
     if (done)
         digest_files(out);
