@@ -119,9 +119,3 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
     FREE_ALL(materials, every_nm.wavelength_nm);
     return done;
 }
-
-void fine_spectra_free(struct fine_spectra *spectra)
-{
-    FREE_ALL(spectra->lights, spectra->products);
-    *spectra = (struct fine_spectra){.n_nm = 0};
-}

@@ -75,9 +75,9 @@ bool sample_basis(const struct sampling_task *task, struct error *err);
 void orthogonal_rows(double *row, int rows, int n);
 
 /* Makes the spectra of all lights, and of every term of every material that an object shows, over
- * the range of the scene's wavelengths. Opens no mesh and no texture. */
+ * the range of the scene's wavelengths. Opens no mesh and no texture. The caller frees them, also
+ * after a failure. */
 bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
-void fine_spectra_free(struct fine_spectra *spectra);
 
 /* Makes a sampling of a scene's spectra; its wavelengths, or numbers of components, replace the
  * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */

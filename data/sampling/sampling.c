@@ -215,7 +215,7 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
                       sampling_make(method, detector, &spectra, out, err) &&
                       (out->spectral || refuse_textures(scene, out, err)) &&
                       replace_wavelengths(scene, out, err);
-    fine_spectra_free(&spectra);
+    FREE_ALL(spectra.lights, spectra.products);
     return done;
 }
 

@@ -70,7 +70,7 @@ static void clear(struct stage *stage)
     spectrum_free(&stage->light);
     for (int i = 0; i < stage->n; i++)
         spectrum_free(&stage->surface[i]);
-    fine_spectra_free(&stage->fine);
+    FREE_ALL(stage->fine.lights, stage->fine.products);
 }
 
 /* ---- making and using samplings ---- */
