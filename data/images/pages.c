@@ -172,15 +172,11 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     return fits || lay_out(pages, set_tags, of, err);
 }
 
+/* 63 bits hold the directories, the pages and the bytes behind: 2^16 pages of 2^37 pixels of 2^4
+ * bytes would need 2^57. */
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err)
 {
-    /* 63 bits hold the pages, the directories and the bytes behind. */
-    const uint64_t most_bytes = UINT64_C(1) << 62;
-    const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
-    if (row_bytes(pages) > most_bytes / rows)
-        return error_usage(err, "%d pages of %dx%d pixels are too many for one file", pages->count,
-                           pages->width, pages->height);
     if (output_open(&pages->output, path, err) && lay_out(pages, set_tags, of, err))
         return true;
     output_discard(&pages->output);

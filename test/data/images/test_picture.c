@@ -144,16 +144,6 @@ static void test_big(int bits, int size)
     unlink(path);
 }
 
-static void test_impossible(void)
-{
-    const struct picture_options options = options_of(32, INT32_MAX, INT32_MAX);
-    struct picture_writer writer;
-    struct error err = {0};
-    CHECK(!picture_open(&writer, "picture_huge.tif", &options, &err) && err.status == EXIT_INPUT &&
-              access("picture_huge.tif", F_OK) != 0,
-          "%s", err.text);
-}
-
 static void test_damage(void)
 {
     const struct picture_options options = options_of(32, 7, 5);
@@ -243,7 +233,6 @@ int main(void)
     test_rows();
     test_big(8, 40000);
     test_big(32, 20000);
-    test_impossible();
     test_damage();
     test_rectangles();
     test_scale();

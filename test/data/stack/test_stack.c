@@ -169,7 +169,6 @@ static void test_refusals(void)
                  {"one page too many", 65536, WIDTH, HEIGHT, 1},
                  {"an empty page", PAGES, 0, HEIGHT, 1},
                  {"a page without rows", PAGES, WIDTH, 0, 1},
-                 {"a stack beyond 64 bits", PAGES, INT32_MAX, INT32_MAX, 1},
                  {"full scale 0", PAGES, WIDTH, HEIGHT, 0},
                  {"full scale NaN", PAGES, WIDTH, HEIGHT, (double)NAN}};
     struct stack_options options = small_options();
