@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes colour pictures, as TIFF or PNG. RGB is one page of three samples a pixel. Floats are
  * grey pages of a TIFF, one a channel: ImageJ and Pillow open no other floats. */
-#include <assert.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"
@@ -49,7 +48,6 @@ bool picture_open(struct picture_writer *out, const char *path,
     int n_channels = 0;
     while (n_channels < MOST_PAGES_OF_FLOATS && options->channels[n_channels])
         n_channels++;
-    assert(options->width > 0 && options->height > 0);
     *out = (struct picture_writer){.options = *options,
                                    .pages = {.count = floating ? n_channels : 1,
                                              .width = options->width,
@@ -58,11 +56,9 @@ bool picture_open(struct picture_writer *out, const char *path,
                                              .bits = options->bits}};
     if (!options->memory && !picture_accepts(path, err))
         return false;
-    const bool png = options->memory || picture_is_png(path);
-    assert(!floating || !png);
-    if (!png)
-        return pages_open(&out->pages, path, set_tags, options, err);
-    return png_open(&out->png, &out->pages.output, path, options, err);
+    return options->memory || picture_is_png(path)
+               ? png_open(&out->png, &out->pages.output, path, options, err)
+               : pages_open(&out->pages, path, set_tags, options, err);
 }
 
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
@@ -71,7 +67,6 @@ bool picture_write(struct picture_writer *writer, const void *samples, int rows,
     const size_t page_bytes = (size_t)rows * (size_t)width * pages_pixel_bytes(&writer->pages, 0);
     struct page_rectangle to = {0, 0, writer->row, width, rows};
     bool done = true;
-    assert(rows >= 0 && rows <= writer->options.height - writer->row);
     if (writer->png)
         done = png_write(writer->png, samples, rows, err);
     for (const char *from = samples; done && !writer->png && to.page < writer->pages.count;
@@ -103,7 +98,6 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
     const size_t pixel = 3 * (size_t)writer->options.bits / 8;
     const size_t row_bytes = pixel * (size_t)writer->options.width, n = pixel * (size_t)at->width;
     const int end = at->y + at->height;
-    assert(at->y >= writer->row);
     if (!extend_strip(writer, end, row_bytes, err))
         return false;
     const int first = writer->strip.first;
@@ -117,7 +111,6 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
 
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
-    assert(writer->options.bits == 32 || writer->row == writer->options.height);
     return writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
 }
 

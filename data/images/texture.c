@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads the planes of textures. A spectral texture keeps only the planes of one pass in memory: its
  * stack may be larger than the memory. */
-#include <assert.h>
-
 #include "data/images/inside.h"
 #include "data/text/text.h"
 
@@ -119,7 +117,6 @@ static bool plane_load(struct texture *texture, double nm, float *plane, float *
 bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
                   float *const planes[TEXTURE_PLANES], struct error *err)
 {
-    assert(n <= TEXTURE_PLANES);
     float *other;
     bool good = MAKE_ARRAY(other, page_size(texture), err, "texels of %s", texture->image.path);
     pthread_mutex_lock(&texture->reading);
