@@ -154,16 +154,13 @@ bool text_word(struct text *text, struct word *out)
     out->place = place_of(text, at);
     out->tables = text->tables;
     out->quoted = *at == '"';
-    if (out->quoted) {
-        out->start = at + 1;
-        at = quoted_end(text, at + 1);
-        text->at = at + (at < end);
-    } else {
-        out->start = at;
+    out->start = at + out->quoted;
+    if (out->quoted)
+        at = quoted_end(text, out->start);
+    else
         while (at < end && !separates(text, *at))
             at++;
-        text->at = at;
-    }
+    text->at = at + (out->quoted && at < end); /* behind the quote that closes */
     out->length = (size_t)(at - out->start);
     return true;
 }
