@@ -64,13 +64,6 @@ static bool read_colour(struct text *text, enum statement statement, struct plac
 
 enum { ILLUM_1 = 1 << LOST_KINDS }; /* it has no highlight */
 
-static bool is_numeric(const struct word *word)
-{
-    struct error ignored = {0};
-    double value;
-    return word_number(word, "", -HUGE_VAL, HUGE_VAL, &value, &ignored);
-}
-
 /* Skips options such as `-s 1 1 1` and `-clamp off`. Returns whether one changes the picture: -s by
  * another number than 1, -o or -t by another one than 0, -mm by others than 0 and 1, or -clamp on.
  */
@@ -78,9 +71,10 @@ static bool skip_options(struct text *text)
 {
     struct word option = {.length = 0}, word;
     bool changes = false;
+    double value;
     int i = 0; /* numbers of the option */
     while (text_peek(*text, &word)) {
-        const bool number = is_numeric(&word);
+        const bool number = word_is_number(&word, -HUGE_VAL, &value);
         if (!number && word.start[0] != '-' && !word_is(&word, "on") && !word_is(&word, "off"))
             break;
         text_word(text, &word);
@@ -89,8 +83,7 @@ static bool skip_options(struct text *text)
             option = word;
             i = 0;
         } else if (number && (option.length == 2 || gain)) {
-            changes = changes || strtod(word.start, NULL) !=
-                                     (word_is(&option, "-s") || (gain && i == 1) ? 1 : 0);
+            changes = changes || value != (word_is(&option, "-s") || (gain && i == 1) ? 1 : 0);
             i++;
         }
         changes = changes || (word_is(&option, "-clamp") && word_is(&word, "on"));
@@ -134,12 +127,12 @@ static void note_lost(struct text *text, const struct word *first, struct materi
 {
     static const char *const maps[] = {"bump", "disp", "decal", "refl"};
     bool is_map = first->length > 4 && strncasecmp(first->start, "map_", 4) == 0;
-    double last = word_is(first, "Tr") ? 0 : 1;
+    double last = word_is(first, "Tr") ? 0 : 1, value;
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
         is_map = is_map || word_is(first, maps[i]);
     out->lost |= is_map ? LOST_MAPS : 0;
     for (struct word word; text_word(text, &word);)
-        last = is_numeric(&word) ? strtod(word.start, NULL) : last;
+        last = word_is_number(&word, -HUGE_VAL, &value) ? value : last;
     if (((word_is(first, "d") || word_is(first, "Tf")) && last < 1) ||
         (word_is(first, "Tr") && last > 0))
         out->lost |= LOST_TRANSPARENCY;

@@ -91,7 +91,6 @@ double heading_nm(const struct word *cell, bool named)
 {
     struct word number = *cell, unit;
     struct meaning meaning;
-    struct error own = {.status = EXIT_AGREED};
     double nm = 0;
     while (number.length > 0 && (unsigned)(*number.start - '0') > 9) {
         number.start++;
@@ -108,8 +107,7 @@ double heading_nm(const struct word *cell, bool named)
     unit.length -= number.length;
     number.quoted = unit.quoted = false;
     heading_read(&unit, &meaning);
-    if (meaning.advice || (unit.length > 0 && !meaning.is_unit) ||
-        !word_number(&number, "", 0, HUGE_VAL, &nm, &own))
+    if (meaning.advice || (unit.length > 0 && !meaning.is_unit) || !word_is_number(&number, 0, &nm))
         return 0;
     return nm * meaning.to_nm >= 100 ? nm * meaning.to_nm : 0;
 }

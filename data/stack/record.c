@@ -103,14 +103,13 @@ static void decode(char *text)
 static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
                          struct error *err)
 {
-    struct error ignored = {0};
     if (field->count > 0)
         out->n = 0;
     for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
         end = at + strcspn(at, " ");
         const struct word word = {.start = at, .length = (size_t)(end - at)};
         double number;
-        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
+        if (!word_is_number(&word, field->lowest, &number) ||
             !array_add(&out->value, &out->n, &number, sizeof number, err))
             return false;
     }

@@ -14,9 +14,8 @@ enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSE
 static double number_at(const char *at)
 {
     const struct word word = {.start = at, .length = strcspn(at, " \t\r\n<\"")};
-    struct error ignored = {0};
     double number;
-    return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
+    return word_is_number(&word, 0, &number) ? number : (double)NAN;
 }
 
 /* Finds `mark` before `end` in a tag of XML, and returns the place behind it: with the mark "

@@ -245,6 +245,11 @@ static bool read_number(const struct word *word, double *out)
     return *end == '\0' && !isspace((unsigned char)copy[0]) && !strpbrk(copy, "xXnN");
 }
 
+bool word_is_number(const struct word *word, double lowest, double *out)
+{
+    return read_number(word, out) && isfinite(*out) && *out >= lowest;
+}
+
 /* Names the range that was expected. A caller asks for "above 0" by the smallest positive number as
  * the lowest value. */
 static bool refuse_range(const struct word *word, const char *what, bool above, double lowest,

@@ -77,6 +77,8 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
                  double *out, struct error *err);
 bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
                   struct error *err);
+/* Reads a number likewise, without a message. */
+bool word_is_number(const struct word *word, double lowest, double *out);
 /* Read the next word likewise. */
 bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
                  struct error *err);

@@ -30,8 +30,7 @@ static bool read_tolerance(const char *text, struct tolerance *out, struct error
             break;
         }
     }
-    struct error ignored = {.status = EXIT_AGREED};
-    return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
+    return word_is_number(&word, 0, &out->value) ||
            error_at(err, VALUE_OF("--tolerance"),
                     "expected a radiance as 0.01, a share of the largest as 0.1%%, or a "
                     "colour difference as 0.5dE00, not '%.100s'",
