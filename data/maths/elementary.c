@@ -9,7 +9,6 @@
  * Error bounds count units in the last place of the result. With u = DOUBLE_ROUNDOFF, a relative
  * error e is e / u units at most. */
 #include <float.h>
-#include <math.h>
 
 #include "data/maths/maths.h"
 
@@ -284,19 +283,4 @@ double angle_of(double sine, double cosine)
         series = 1.0 / k - square * series;
     const double angle = 8 * eighth * series;
     return cosine < 0 ? PI - angle : angle;
-}
-
-/* Halley's method: each step triples the digits of the first guess, which is right within 0.2 %. */
-double cube_root(double x)
-{
-    static const double roots[3] = {1, 1.2599210498948732, 1.5874010519681996}; /* of 1, 2, 4 */
-    int exponent;
-    const double m = frexp(x, &exponent); /* from 0.5 to below 1 */
-    const int third = (exponent + 3000) / 3 - 1000;
-    double out = 0.493 + m * (0.698 - m * 0.1912);
-    for (int i = 0; i < 2; i++) {
-        const double cube = out * out * out;
-        out *= (cube + 2 * m) / (2 * cube + m);
-    }
-    return ldexp(out * roots[exponent - 3 * third], third);
 }

@@ -4,6 +4,7 @@
 #ifndef DATA_MATHS_MATHS_H
 #define DATA_MATHS_MATHS_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -56,8 +57,6 @@ double exponential(double x);
 double one_minus_decay(double x);
 /* log2 x for a finite x > 0 within 0.501 units; exact for powers of two. */
 double binary_logarithm(double x);
-/* The cube root of a finite x > 0 within 8 units; several times as fast as power. */
-double cube_root(double x);
 /* base^exponent for a finite base >= 0 and an exponent from 0 to 1e300, within 0.501 units for
  * exponents up to 128 and 0.51 units up to 10,000, subnormal results too. So the result is exact
  * where a double can be exact. x^0 = 1, even of 0. Above all doubles the result is HUGE_VAL. With
@@ -73,15 +72,41 @@ struct matrix {
     double row[4][4]; /* acts on column vectors: out[i] = sum_j row[i][j] in[j] */
 };
 
-struct vector vector_add(struct vector a, struct vector b);
-struct vector vector_subtract(struct vector a, struct vector b);
-struct vector vector_scale(struct vector a, double factor);
+static inline struct vector vector_add(struct vector a, struct vector b)
+{
+    return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline struct vector vector_subtract(struct vector a, struct vector b)
+{
+    return (struct vector){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline struct vector vector_scale(struct vector a, double factor)
+{
+    return (struct vector){a.x * factor, a.y * factor, a.z * factor};
+}
 /* The least and the greatest of each component. */
-struct vector vector_least(struct vector a, struct vector b);
-struct vector vector_greatest(struct vector a, struct vector b);
-double vector_reach(struct vector a); /* the largest magnitude of a component */
-double vector_dot(struct vector a, struct vector b);
-struct vector vector_cross(struct vector a, struct vector b);
+static inline struct vector vector_least(struct vector a, struct vector b)
+{
+    return (struct vector){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
+}
+static inline struct vector vector_greatest(struct vector a, struct vector b)
+{
+    return (struct vector){a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z};
+}
+/* The largest magnitude of a component. */
+static inline double vector_reach(struct vector a)
+{
+    const double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z), most = x > y ? x : y;
+    return most > z ? most : z;
+}
+static inline double vector_dot(struct vector a, struct vector b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline struct vector vector_cross(struct vector a, struct vector b)
+{
+    return (struct vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 double vector_length(struct vector a);           /* without avoidable overflow or underflow */
 struct vector vector_normalise(struct vector a); /* (0,0,0) stays (0,0,0) */
 

@@ -1,48 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Points, directions and matrices in double. */
-#include <math.h>
 
 #include "data/maths/maths.h"
-
-struct vector vector_add(struct vector a, struct vector b)
-{
-    return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-struct vector vector_subtract(struct vector a, struct vector b)
-{
-    return (struct vector){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-struct vector vector_scale(struct vector a, double factor)
-{
-    return (struct vector){a.x * factor, a.y * factor, a.z * factor};
-}
-
-struct vector vector_least(struct vector a, struct vector b)
-{
-    return (struct vector){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
-}
-
-struct vector vector_greatest(struct vector a, struct vector b)
-{
-    return (struct vector){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
-}
-
-double vector_reach(struct vector a)
-{
-    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
-}
-
-double vector_dot(struct vector a, struct vector b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-struct vector vector_cross(struct vector a, struct vector b)
-{
-    return (struct vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 /* The vector and its squared length, times a power of two (and its square) where the square of the
  * vector itself would overflow or lose bits. The power of two is exact: it changes no rounding.

@@ -11,6 +11,22 @@ void chromaticity(const double xyz[3], double out[2])
         out[i] = sum != 0 ? xyz[i] / sum : 0;
 }
 
+/* The cube root of a finite x > 0 within 8 units in the last place; several times as fast as power.
+ * Halley's method: each step triples the digits of the first guess, which is right within 0.2 %. */
+static double cube_root(double x)
+{
+    static const double roots[3] = {1, 1.2599210498948732, 1.5874010519681996}; /* of 1, 2, 4 */
+    int exponent;
+    const double m = frexp(x, &exponent); /* from 0.5 to below 1 */
+    const int third = (exponent + 3000) / 3 - 1000;
+    double out = 0.493 + m * (0.698 - m * 0.1912);
+    for (int i = 0; i < 2; i++) {
+        const double cube = out * out * out;
+        out *= (cube + 2 * m) / (2 * cube + m);
+    }
+    return ldexp(out * roots[exponent - 3 * third], third);
+}
+
 /* Returns the cube root of value / white; below (6/29)^3 its tangent. The white may have almost
  * none of X, Y or Z. A ratio above `most` therefore counts as `most`, so that no difference
  * overflows. */

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares colour spaces and differences with published values and with values worked by hand. */
+#include <float.h>
+
 #include "raster/beside/colour/colour.h"
 #include "test.h"
 
@@ -34,6 +36,22 @@ static void check_limits(void)
           "a colour does not differ from itself");
     /* The mean lightness is 50, where lightness counts in full. */
     CHECK_NEAR(ciede2000_difference(black, white), 100, 1e-12, "black and white differ by 100");
+}
+
+/* L* + 16 is 116 cube roots of Y / Yn. They are within 8 units in the last place; three more are
+ * lost on the way, where L* is small. */
+static void check_lightness(void)
+{
+    const double white[3] = {1, 1, 1};
+    uint64_t state = 3;
+    double worst = 0;
+    for (int i = 0; i < 500000; i++) {
+        const double y = ldexp(test_random(&state, 1, 2), i % 338 - 6), grey[3] = {y, y, y};
+        double lab[3];
+        cielab(grey, white, lab);
+        worst = fmax(worst, fabs((lab[0] + 16) / 116 / (double)cbrtl((long double)y) - 1));
+    }
+    CHECK_NEAR(worst / DBL_EPSILON, 0, 11, "L* of greys follows the cube root");
 }
 
 /* Lasers and mistyped whites have an X, Y or Z near 0. */
@@ -138,6 +156,7 @@ int main(void)
 {
     check_sharma();
     check_limits();
+    check_lightness();
     check_overflow();
     check_older();
     check_conversions();
