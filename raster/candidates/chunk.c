@@ -76,8 +76,10 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
 static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3], uint32_t lights)
 {
     const struct lit_scene *lit = pixel->lit;
-    const struct seen_point point = seen_point(lit->surfaces, &pixel->triangle->screen, share);
-    return lights_blocked(&lit->occluders, &lit->plan->view, lights, &point);
+    struct seen_point point = seen_point(lit->surfaces, &pixel->triangle->screen, share);
+    point.asked = lights;
+    lights_block(&lit->occluders, &lit->plan->view, &point, 1);
+    return point.dark;
 }
 
 /* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count

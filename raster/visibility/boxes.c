@@ -6,82 +6,67 @@
 
 #include "raster/visibility/inside.h"
 
-enum { LEAF = 4, DEEPEST = 64 };
+enum { DEEPEST = 64 };
 
-static const struct vector *corner_of(const struct occluders *of, const struct occluder *at, int i)
+struct vector occluder_corner(const struct occluders *of, struct occluder at, int i)
 {
-    return &of->vertices[at->surface]
-                        [of->surfaces[at->surface].instance->triangles[at->triangle][i]];
+    const struct instance *instance = of->surfaces[at.surface].instance;
+    return of->vertices[at.surface][instance->triangles[at.triangle][i]];
 }
 
-/* The box of some occluders, wider than they are: by the error of a segment's points, which are
- * sums of places. */
-static struct box box_of(const struct occluders *of, int first, int n)
+/* Returns a node with some occluders. Its box is wider than they are: by the error of a segment's
+ * points, which are sums of places. */
+static struct box_node node_of(const struct occluders *of, int first, int n)
 {
-    struct vector low = *corner_of(of, &of->list[first], 0), high = low;
+    struct vector low = occluder_corner(of, of->list[first], 0), high = low;
     for (int i = 3 * first; i < 3 * (first + n); i++) {
-        const struct vector at = *corner_of(of, &of->list[i / 3], i % 3);
+        const struct vector at = occluder_corner(of, of->list[i / 3], i % 3);
         low = vector_least(low, at);
         high = vector_greatest(high, at);
     }
     const double by = PLACE_ERROR * of->size;
-    return (struct box){{low.x - by, low.y - by, low.z - by},
-                        {high.x + by, high.y + by, high.z + by}};
+    return (struct box_node){
+        {high.x + by, high.y + by, high.z + by, low.x - by, low.y - by, low.z - by}, first, n};
 }
 
-/* Three times the place of a triangle's middle along an axis. */
-static double middle_of(const struct occluders *of, int number, struct vector axis)
-{
-    double sum = 0;
-    for (int i = 0; i < 3; i++)
-        sum += vector_dot(axis, *corner_of(of, &of->list[number], i));
-    return sum;
-}
-
-/* Puts those of n occluders whose middles lie below the middle of the longest side of their box
+/* Puts those occluders of a node whose middles lie below the middle of the longest side of its box
  * before the others. Returns how many they are. */
-static int part(struct occluders *of, const struct box *box, int first, int n)
+static int part(struct occluders *of, const struct box_node *at)
 {
-    const double *low = box->low, *high = box->high, x = high[0] - low[0], y = high[1] - low[1],
+    const double *high = at->side, *low = high + 3, x = high[0] - low[0], y = high[1] - low[1],
                  z = high[2] - low[2];
     const struct vector axis = {x >= y && x >= z, y > x && y >= z, z > x && z > y},
                         ends = {low[0] + high[0], low[1] + high[1], low[2] + high[2]};
-    const double middle = 1.5 * vector_dot(axis, ends);
+    struct occluder *list = of->list + at->first;
     int n_below = 0;
-    for (int i = first; i < first + n; i++)
-        if (middle_of(of, i, axis) < middle) {
-            const struct occluder below = of->list[i];
-            of->list[i] = of->list[first + n_below];
-            of->list[first + n_below++] = below;
+    for (int i = 0; i < at->n; i++) {
+        const struct occluder moved = list[i];
+        double sum = 0; /* three times the place of its middle */
+        for (int k = 0; k < 3; k++)
+            sum += vector_dot(axis, occluder_corner(of, moved, k));
+        if (sum < 1.5 * vector_dot(axis, ends)) {
+            list[i] = list[n_below];
+            list[n_below++] = moved;
         }
+    }
     return n_below;
 }
 
 /* Divides a node by space, where that leaves some occluders on each side and the tree is not deep;
- * otherwise by their number. */
+ * otherwise by their number; until each has one. */
 static void make_node(struct occluders *of, int node, int depth, int first, int n)
 {
     struct box_node *at = &of->nodes[node];
-    *at = (struct box_node){.box = box_of(of, first, n), .first = first, .n = n};
-    if (n <= LEAF)
+    *at = node_of(of, first, n);
+    if (n == 1)
         return;
-    int half = depth < DEEPEST / 2 ? part(of, &at->box, first, n) : 0;
+    int half = depth < DEEPEST / 2 ? part(of, at) : 0;
     half = half == 0 || half == n ? n / 2 : half;
     at->first = of->n_nodes;
     at->n = 0;
     of->n_nodes += 2;
     make_node(of, at->first, depth + 1, first, half);
     make_node(of, at->first + 1, depth + 1, first + half, n - half);
-}
-
-static bool place_vertices(struct occluders *out, int surface)
-{
-    const struct instance *instance = out->surfaces[surface].instance;
-    struct vector *vertices = malloc(((size_t)instance->n_vertices + 1) * sizeof *vertices);
-    out->vertices[surface] = vertices;
-    for (int i = 0; vertices && i < instance->n_vertices; i++)
-        vertices[i] = matrix_point(&instance->model_view, instance->vertices[i].position);
-    return vertices != NULL;
 }
 
 bool occluders_make(const struct surface *surfaces, int n, const bool *casts, double size,
@@ -91,9 +76,16 @@ bool occluders_make(const struct surface *surfaces, int n, const bool *casts, do
     *out = (struct occluders){.surfaces = surfaces, .n_surfaces = n, .size = size};
     out->vertices = calloc((size_t)n + 1, sizeof(struct vector *));
     for (int i = 0; i < n && out->vertices; i++) {
-        n_triangles += casts[i] ? (size_t)surfaces[i].instance->n_triangles : 0;
-        if (casts[i] && !place_vertices(out, i))
+        const struct instance *instance = surfaces[i].instance;
+        if (!casts[i])
+            continue;
+        n_triangles += (size_t)instance->n_triangles;
+        out->vertices[i] = malloc(((size_t)instance->n_vertices + 1) * sizeof *out->vertices[i]);
+        if (!out->vertices[i])
             return false;
+        for (int v = 0; v < instance->n_vertices; v++)
+            out->vertices[i][v] =
+                matrix_point(&instance->model_view, instance->vertices[v].position);
     }
     out->list = malloc((n_triangles + 1) * sizeof *out->list);
     out->nodes = malloc((2 * n_triangles + 1) * sizeof *out->nodes);
@@ -118,43 +110,65 @@ void occluders_free(struct occluders *occluders)
     *occluders = (struct occluders){.n = 0};
 }
 
-/* ---- a segment ---- */
+/* ---- segments ---- */
 
-/* Returns whether the points from + t along, t from 0 to `end`, meet a box (Kay and Kajiya 1986).
- * once: 1 / along. */
-static bool meets(const struct box *box, const double from[3], const double once[3], double end)
+/* Segments from the points of a box to one end. Each component of a segment lies between those of
+ * two, from the lowest and from the highest point. */
+struct shaft {
+    double from[6], once[6]; /* lowest x, y, z, then highest; 1 / way */
+    double end;              /* the part of the way where the end is */
+};
+
+static struct shaft shaft_of(struct vector low, struct vector high, const struct homogeneous *to)
 {
-    double enter = 0, leave = end;
-    for (int i = 0; i < 3; i++) {
-        const double a = (box->low[i] - from[i]) * once[i], b = (box->high[i] - from[i]) * once[i],
-                     first = a < b ? a : b, last = a < b ? b : a;
-        enter = first > enter ? first : enter;
-        leave = last < leave ? last : leave;
+    struct shaft out = {{low.x, low.y, low.z, high.x, high.y, high.z},
+                        .end = to->infinite ? HUGE_VAL : 1};
+    const double end[3] = {to->at.x, to->at.y, to->at.z};
+    for (int i = 0; i < 6; i++) {
+        const double way = end[i % 3] - (to->infinite ? 0 : out.from[i]);
+        /* 0, or nearly so, becomes so small that no box notices */
+        out.once[i] = 1 / (fabs(way) > 0x1p-500 ? way : 0x1p-500);
+    }
+    return out;
+}
+
+/* Returns whether a segment may meet a box (Kay and Kajiya 1986): at some part of their ways the
+ * lowest is not above it, nor the highest below it. */
+static bool meets(const struct box_node *box, const struct shaft *of)
+{
+    double enter = 0, leave = of->end;
+    for (int i = 0; i < 6; i++) {
+        const double at = (box->side[i] - of->from[i]) * of->once[i];
+        if ((of->once[i] > 0) == (i < 3))
+            leave = at < leave ? at : leave;
+        else
+            enter = at > enter ? at : enter;
     }
     return enter <= leave;
 }
 
-/* A component of 0, or nearly so, becomes so small that no box notices. */
-static double inverse(double component)
+void occluders_along(const struct occluders *of, struct seen_point *const points[], int n_points,
+                     const struct homogeneous *to, occluder_visitor *visit, void *context)
 {
-    return 1 / (fabs(component) > 0x1p-500 ? component : 0x1p-500);
-}
-
-void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,
-                     bool (*visit)(void *context, const struct occluder *met), void *context)
-{
-    const struct vector path = to->infinite ? to->at : vector_subtract(to->at, from);
-    const double start[3] = {from.x, from.y, from.z},
-                 once[3] = {inverse(path.x), inverse(path.y), inverse(path.z)};
+    struct shaft each[TOGETHER];
+    struct vector low = points[0]->eye.at, high = low;
+    for (int i = 0; i < n_points; i++) {
+        each[i] = shaft_of(points[i]->eye.at, points[i]->eye.at, to);
+        low = vector_least(low, points[i]->eye.at);
+        high = vector_greatest(high, points[i]->eye.at);
+    }
+    const struct shaft all = shaft_of(low, high, to);
     int32_t waiting[DEEPEST] = {0}, n = of->n > 0;
     while (n > 0) {
         const struct box_node *node = &of->nodes[waiting[--n]];
-        if (!meets(&node->box, start, once, to->infinite ? HUGE_VAL : 1))
+        if (!meets(node, &all))
             continue;
-        for (int i = 0; i < node->n; i++)
-            if (!visit(context, &of->list[node->first + i]))
-                return;
         for (int32_t i = 0; i < 2 && node->n == 0; i++)
             waiting[n++] = node->first + i;
+        uint32_t met = 0;
+        for (int i = 0; i < n_points && node->n > 0; i++)
+            met |= (uint32_t)meets(node, &each[i]) << i;
+        if (met != 0 && !visit(context, &of->list[node->first], met))
+            return;
     }
 }

@@ -16,9 +16,13 @@ int side_of(const struct homogeneous rows[4]);
  * two objects differ by 4 for each of the products that they are. */
 #define PLACE_ERROR (32 * DOUBLE_ROUNDOFF)
 
-/* boxes.c. Calls `visit` for each occluder whose box the segment meets, from a point to another, or
- * without end in a direction. Stops where it returns false. */
-void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,
-                     bool (*visit)(void *context, const struct occluder *met), void *context);
+/* boxes.c. Returns corner i of an occluder. */
+struct vector occluder_corner(const struct occluders *of, struct occluder at, int i);
+/* Calls `visit` for each occluder whose box a segment may meet, from one of some points to
+ * an end, or without end in a direction. Bit i stands for the segment from point i. Stops where it
+ * returns false. */
+typedef bool occluder_visitor(void *context, const struct occluder *met, uint32_t segments);
+void occluders_along(const struct occluders *of, struct seen_point *const points[], int n,
+                     const struct homogeneous *to, occluder_visitor *visit, void *context);
 
 #endif

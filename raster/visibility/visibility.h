@@ -19,13 +19,10 @@ struct homogeneous {
 struct occluder {
     int32_t surface, triangle;
 };
-struct box {
-    double low[3], high[3];
-};
-/* A node of a tree of boxes: its children are `first` and `first` + 1; or, n > 0, it has so many
- * occluders from `first` on. */
+/* A node of a tree of boxes: its children are `first` and `first` + 1; or, n > 0, it has n
+ * occluders from `first` on; once the tree is made, one. */
 struct box_node {
-    struct box box;
+    double side[6]; /* greatest x, y, z, then least */
     int32_t first, n;
 };
 struct occluders {
@@ -45,13 +42,11 @@ void occluders_free(struct occluders *occluders);
 
 /* ---- visibility.c: points and lights ---- */
 
-/* Finds the parts of a triangle between the near and the far plane, as the reference draws them. */
-int shown_parts(const struct view *view, const struct surface *surface, int triangle,
-                struct screen_triangle out[SCREEN_TRIANGLES]);
 /* A point of a triangle, as the eye sees it. */
 struct seen_point {
     struct homogeneous eye;
     struct occluder of;
+    uint32_t asked, dark; /* lights that are asked for; of these, those that do not reach it */
 };
 /* Finds the point with these barycentric coordinates of the triangle. */
 struct seen_point seen_point(const struct surface *surfaces, const struct screen_triangle *of,
@@ -69,11 +64,13 @@ uint32_t lights_weighed(const struct view *view, const struct instance *instance
                         const double *weights, size_t stride);
 void lights_darken(const struct view *view, const struct instance *instance, uint32_t dark,
                    double *weights, size_t stride);
-/* Returns the lights that do not reach a point, of those that are asked for. A triangle in whose
- * plane the point lies does not lie between; but the point's own triangle does, if it turns one
- * side to the light and the other to the eye. */
-uint32_t lights_blocked(const struct occluders *of, const struct view *view, uint32_t asked,
-                        const struct seen_point *point);
+/* Finds the lights that do not reach some points, of those that are asked for: at most TOGETHER
+ * points, faster where they lie near each other. A triangle in whose plane a point lies does not
+ * lie between; but the point's own triangle does, if it turns one side to the light and the other
+ * to the eye. */
+enum { TOGETHER = 8 };
+void lights_block(const struct occluders *of, const struct view *view, struct seen_point points[],
+                  int n);
 /* Sets the weights of lights that throw shadows to 0 in all pixels of a picture that they do not
  * reach. dark[pixel] gets their bits. */
 void picture_shadow(const struct view *view, const struct occluders *of, struct picture *picture,

@@ -103,7 +103,7 @@ static void draw_surface(const struct estimating *of, int index)
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct surface *surface = &of->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
-        const int n = shown_parts(&of->plan->view, surface, i, parts);
+        const int n = screen_triangles(&of->plan->view, surface, i, depth_planes, 2, parts);
         for (int part = 0; part < n; part++)
             draw_triangle(of, index, &parts[part]);
     }

@@ -77,7 +77,8 @@ static int find_point(const struct maps *of, size_t pixel, struct vertex *out)
     const double x = picture->at.x + (int)(pixel % (size_t)picture->at.width) + 0.5,
                  y = picture->at.y + (int)(pixel / (size_t)picture->at.width) + 0.5;
     struct screen_triangle parts[SCREEN_TRIANGLES];
-    const int n = shown_parts(&of->job.plan.view, surface, picture->triangle[pixel], parts);
+    const int n = screen_triangles(&of->job.plan.view, surface, picture->triangle[pixel],
+                                   depth_planes, 2, parts);
     int shown = 0;
     double share[3];
     while (shown < n - 1 && covered_depth(&parts[shown], x, y) != picture->depth[pixel])

@@ -31,23 +31,39 @@ static void solid_make(struct solid *of)
     test_need(occluders_make(&of->surface, 1, casts, 16, &of->occluders), "no memory");
 }
 
-/* Returns whether the light at a place, or in a direction, reaches a point, which belongs to no
- * triangle. The eye looks along -z, from far away. */
-static bool reaches(const struct solid *of, struct vector light, bool directional,
-                    struct vector point)
+/* Finds the lights that do not reach some points, which belong to no triangle. The eye looks along
+ * -z, from far away. */
+static void block(const struct solid *of, const struct eye_light *lights, int n_lights,
+                  struct seen_point *points, int n)
 {
     const struct surface beside = {.instance = &of->instance};
-    const struct eye_light lights[1] = {{.directional = directional, .position = light}};
-    const struct view view = {
-        .projection = matrix_identity(), .lights = lights, .n_lights = 1, .n_shadowed = 1};
+    const struct view view = {.projection = matrix_identity(),
+                              .lights = lights,
+                              .n_lights = n_lights,
+                              .n_shadowed = n_lights};
     const struct surface surfaces[2] = {of->surface, beside};
     struct vector *vertices[2] = {of->occluders.vertices[0], NULL};
     struct occluders occluders = of->occluders;
     occluders.surfaces = surfaces;
     occluders.vertices = vertices;
     occluders.n_surfaces = 2;
-    const struct seen_point at = {{point, false}, {1, 0}}; /* of a surface that casts no shadow */
-    return lights_blocked(&occluders, &view, 1, &at) == 0;
+    lights_block(&occluders, &view, points, n);
+}
+
+/* A point of a surface that casts no shadow, asked for two lights. */
+static struct seen_point point_at(struct vector at)
+{
+    return (struct seen_point){{at, false}, {1, 0}, 3, 0};
+}
+
+/* Returns whether the light at a place, or in a direction, reaches a point. */
+static bool reaches(const struct solid *of, struct vector light, bool directional,
+                    struct vector point)
+{
+    const struct eye_light lights[1] = {{.directional = directional, .position = light}};
+    struct seen_point at = point_at(point);
+    block(of, lights, 1, &at, 1);
+    return at.dark == 0;
 }
 
 static int32_t add_vertex(struct solid *of, double x, double y, double z)
@@ -185,6 +201,56 @@ static void lamp_at_plate(void)
     }
 }
 
+/* ---- points together ---- */
+
+static struct vector somewhere(uint64_t *state, double size)
+{
+    return (struct vector){test_random(state, -size, size), test_random(state, -size, size),
+                           test_random(state, -size, size)};
+}
+
+/* Points that are asked together get what each gets alone: near each other and far apart, on all
+ * sides of the lights, some of them asked for one light or none. */
+static void together(void)
+{
+    uint64_t state = 13;
+    long wrong = 0, dark = 0;
+    enum { SCENES = 20000 };
+    for (int k = 0; k < SCENES; k++) {
+        static struct solid soup;
+        soup.n_vertices = soup.n_triangles = 0;
+        for (int i = 0; i < MOST; i++) {
+            const struct vector at = somewhere(&state, 4);
+            add_vertex(&soup, at.x, at.y, at.z);
+        }
+        for (int i = 0; i + 2 < MOST; i++)
+            add_triangle(&soup, i, i + 1, i + 2);
+        solid_make(&soup);
+        const struct eye_light lights[2] = {
+            {.position = somewhere(&state, 6)},
+            {.directional = true, .position = vector_normalise(somewhere(&state, 1))}};
+        const struct vector middle = somewhere(&state, 6);
+        const double spread = test_random(&state, 0, 1) < 0.5 ? 0.1 : 8;
+        struct seen_point all[TOGETHER], one;
+        for (int i = 0; i < TOGETHER; i++) {
+            all[i] = point_at(vector_add(middle, somewhere(&state, spread)));
+            all[i].asked = (uint32_t)test_random(&state, 0, 4);
+        }
+        const int n = 1 + (int)test_random(&state, 0, TOGETHER);
+        block(&soup, lights, 2, all, n);
+        for (int i = 0; i < n; i++) {
+            one = all[i];
+            one.dark = 0;
+            block(&soup, lights, 2, &one, 1);
+            wrong += one.dark != all[i].dark || (one.dark & ~one.asked) != 0;
+            dark += one.dark != 0;
+        }
+        occluders_free(&soup.occluders);
+    }
+    CHECK(wrong == 0 && dark > SCENES / 4,
+          "points get what they get alone: %ld do not; a light is dark at %ld", wrong, dark);
+}
+
 /* ---- coordinates where doubles do not decide ---- */
 
 /* A light, a point and two corners in one plane: rounded products do not say on which side of an
@@ -261,6 +327,7 @@ int main(void)
     box_shadow();
     no_leaks();
     lamp_at_plate();
+    together();
     edges_are_shared();
     signs_are_exact();
     return test_end();
