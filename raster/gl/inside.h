@@ -97,6 +97,8 @@ bool has_extension(const char *list, const char *name); /* list: words; NULL: no
 bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
 /* Uploads the texels of spectral textures for the bands of a batch. */
 bool textures_upload_bands(struct drawing *of, const struct frame_batch *batch, struct error *err);
+/* Triangles given to draw_corners at once: few enough to stay in the second-level cache. */
+enum { BATCH = 4096 };
 /* Gives the triangles of all instances that reach the tile, and are not hidden, to draw_corners. */
 bool numbers_draw(struct drawing *of, struct error *err);
 

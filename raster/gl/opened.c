@@ -92,9 +92,6 @@ int mesh_bind(struct drawing *of, int instance)
 
 /* ---- triangles with their numbers as colours ---- */
 
-/* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
-enum { BATCH = 4096 };
-
 static void number_triangle(const struct mesh *mesh, int triangle, int placed,
                             struct numbered_vertex out[3])
 {

@@ -27,15 +27,16 @@ static void count_faces(const struct drawing *of, bool outward)
     of->call->StencilOpSeparate(outward ? GL_FRONT : GL_BACK, GL_KEEP, GL_DECR_WRAP, GL_KEEP);
 }
 
-/* Draws triangles of a volume, without numbers; `corners` has room for those of any volume. */
+/* Draws triangles of a volume, without numbers; `corners` has room for a batch. */
 static void draw_triangles(struct drawing *of, const struct volume *volume, int first, int n,
                            struct numbered_vertex *corners)
 {
-    if (n == 0)
-        return;
-    volume_corners(volume, first, n, sizeof *corners / sizeof(float), (float *)corners);
-    of->kind->draw_corners(of, corners, 3 * n);
-    of->renderer.work.draw_calls++;
+    for (; n > 0; first += BATCH, n -= BATCH) {
+        const int now = n < BATCH ? n : BATCH;
+        volume_corners(volume, first, now, sizeof *corners / sizeof(float), (float *)corners);
+        of->kind->draw_corners(of, corners, 3 * now);
+        of->renderer.work.draw_calls++;
+    }
 }
 
 static void draw_volume(struct drawing *of, const struct volume *volume,
@@ -99,15 +100,11 @@ static void count_volumes(struct drawing *of, int shadowed, struct numbered_vert
 bool shadows_draw(struct drawing *of, struct error *err)
 {
     const struct gl_functions *call = of->call;
-    const struct volumes *volumes = of->lit->volumes;
     struct numbered_vertex *corners;
-    int most = 0;
-    for (int i = 0; i < volumes->n; i++)
-        most = volumes->list[i].n > most ? volumes->list[i].n : most;
     call->Clear(GL_DEPTH_BUFFER_BIT);
     call->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool done = MAKE_ARRAY(corners, 3 * (size_t)most, err, "the corners of a shadow") &&
-                      numbers_draw(of, err);
+    const bool done =
+        MAKE_ARRAY(corners, 3 * BATCH, err, "the corners of a shadow") && numbers_draw(of, err);
     call->DepthMask(GL_FALSE);
     call->Enable(GL_DEPTH_CLAMP);
     call->Enable(GL_STENCIL_TEST);
