@@ -28,11 +28,11 @@ struct maker {
     struct volume *out;
     int n_near;           /* vertices of it; the far ones follow */
     struct index corners; /* by their places: vertices of it at one place are one */
-    struct index edges;   /* by their ends, the smaller number first; then for each one */
-    struct edge {
-        int32_t ends[2], n; /* n: how many more caps run this way than back */
-    } * list;
-    int n_edges;
+};
+
+/* An edge of caps. */
+struct edge {
+    int32_t ends[2], n; /* the smaller number first; how many more caps run this way than back */
 };
 
 /* ---- where a light stands, and how far shadows reach ---- */
@@ -259,19 +259,6 @@ static bool add_triangle(struct maker *maker, const int32_t corners[3], struct o
            array_add(&out->caps, &out->n, &cap, sizeof cap, err);
 }
 
-/* Counts an edge of a cap. */
-static bool count_edge(struct maker *maker, int32_t from, int32_t to, struct error *err)
-{
-    const bool back = from > to;
-    const struct edge edge = {{back ? to : from, back ? from : to}, back ? -1 : 1};
-    const int known = index_find(&maker->edges, edge.ends, sizeof edge.ends);
-    if (known >= 0)
-        maker->list[known].n += edge.n;
-    return known >= 0 || from == to ||
-           (index_add(&maker->edges, edge.ends, sizeof edge.ends, maker->n_edges, err) &&
-            array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err));
-}
-
 /* Adds the part of a cap beyond the far plane, which OpenGL cuts off the cap itself. Caps that
  * share an edge cut it at the same numbers. */
 static bool add_beyond(struct maker *maker, const struct cap *cap, struct error *err)
@@ -300,11 +287,10 @@ static bool add_beyond(struct maker *maker, const struct cap *cap, struct error 
     return true;
 }
 
-/* Parts that are made of caps: edges; caps, and what of them lies beyond the far plane; the far
- * end; and caps that are behind. */
-enum cap_part { CAP_EDGES, CAP_NEAR, CAP_BEYOND, CAP_FAR, CAP_BEHIND };
+/* Parts that are made of caps: caps, and what of them lies beyond the far plane; the far end; and
+ * caps that are behind. */
+enum cap_part { CAP_NEAR, CAP_BEYOND, CAP_FAR, CAP_BEHIND };
 
-/* Edges go round the light alike: a triangle that turns away is taken from behind. */
 static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part part,
                     struct error *err)
 {
@@ -313,50 +299,67 @@ static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part pa
     const int32_t corners[3] = {at[0] + n, at[turned ? 2 : 1] + n, at[turned ? 1 : 2] + n};
     if (part == CAP_BEYOND)
         return add_beyond(maker, cap, err);
-    if (part != CAP_EDGES)
-        return add_triangle(maker, corners, part == CAP_NEAR ? cap->of : no_cap, err);
-    for (int i = 0; i < 3; i++) {
-        const int32_t from = at[i], to = at[(i + 1) % 3];
-        if (!count_edge(maker, cap->side > 0 ? from : to, cap->side > 0 ? to : from, err))
-            return false;
-    }
-    return true;
+    return add_triangle(maker, corners, part == CAP_NEAR ? cap->of : no_cap, err);
 }
 
 /* Adds this part of n caps: of those on one side, or, side 0, of all. */
 static bool add_caps(struct maker *maker, const struct cap *caps, int n, int side,
                      enum cap_part part, struct error *err)
 {
-    const bool of_all = part == CAP_EDGES || part == CAP_FAR;
     for (int i = 0; i < n; i++)
         if ((side == 0 || caps[i].side == side) &&
-            (of_all || caps[i].is_behind == (part == CAP_BEHIND)) &&
+            (part == CAP_FAR || caps[i].is_behind == (part == CAP_BEHIND)) &&
             !add_cap(maker, &caps[i], part, err))
             return false;
     return true;
 }
 
-static bool add_sides(struct maker *maker, struct error *err)
+static int compare_edges(const void *one, const void *other)
 {
-    for (int i = 0; i < maker->n_edges; i++) {
-        const struct edge *edge = &maker->list[i];
-        const int32_t a = edge->ends[edge->n < 0], b = edge->ends[edge->n > 0], n = maker->n_near;
-        const int32_t one[3] = {b, a, a + n}, other[3] = {b, a + n, b + n};
-        for (int k = abs(edge->n); k > 0; k--)
-            if (!add_triangle(maker, one, no_cap, err) || !add_triangle(maker, other, no_cap, err))
-                return false;
-    }
+    const int32_t *a = ((const struct edge *)one)->ends, *b = ((const struct edge *)other)->ends;
+    return a[0] != b[0] ? (a[0] > b[0]) - (a[0] < b[0]) : (a[1] > b[1]) - (a[1] < b[1]);
+}
+
+static bool add_side(struct maker *maker, const struct edge *edge, struct error *err)
+{
+    const int32_t a = edge->ends[edge->n < 0], b = edge->ends[edge->n > 0], n = maker->n_near;
+    const int32_t one[3] = {b, a, a + n}, other[3] = {b, a + n, b + n};
+    for (int k = abs(edge->n); k > 0; k--)
+        if (!add_triangle(maker, one, no_cap, err) || !add_triangle(maker, other, no_cap, err))
+            return false;
     return true;
+}
+
+/* Adds the sides of the volume of n caps: at edges that caps do not share. They go round the light
+ * alike: a triangle that turns away is taken from behind. */
+static bool add_sides(struct maker *maker, const struct cap *caps, int n, struct error *err)
+{
+    struct edge *list;
+    bool done = MAKE_ARRAY(list, 3 * (size_t)n, err, "the edges of a shadow");
+    for (int i = 0; done && i < 3 * n; i++) {
+        const int32_t *corner = caps[i / 3].corner, from = corner[i % 3], to = corner[(i + 1) % 3];
+        list[i] = (struct edge){{from < to ? from : to, from < to ? to : from},
+                                caps[i / 3].side * ((from < to) - (from > to))};
+    }
+    if (done)
+        qsort(list, 3 * (size_t)n, sizeof *list, compare_edges);
+    for (int i = 0; done && i < 3 * n; i++)
+        if (i + 1 < 3 * n && compare_edges(&list[i], &list[i + 1]) == 0)
+            list[i + 1].n += list[i].n;
+        else
+            done = add_side(maker, &list[i], err);
+    free(list);
+    return done;
 }
 
 /* Caps that do not face the light come last, with the order of their corners. */
 static bool add_triangles(struct maker *maker, const struct cap *caps, int n, struct error *err)
 {
     struct volume *out = maker->out;
-    if (!add_caps(maker, caps, n, 0, CAP_EDGES, err) || !add_caps(maker, caps, n, 1, CAP_NEAR, err))
+    if (!add_caps(maker, caps, n, 1, CAP_NEAR, err))
         return false;
     out->n_caps = out->n;
-    if (!add_sides(maker, err))
+    if (!add_sides(maker, caps, n, err))
         return false;
     out->first_beyond = out->n;
     if (!add_caps(maker, caps, n, 0, CAP_BEYOND, err))
@@ -410,10 +413,6 @@ static bool make_volume(struct maker *maker, struct cap *caps, int n, int shadow
     const bool done = make_vertices(maker, caps, n, err) && add_triangles(maker, caps, n, err);
     maker->out->is_doubtful = done && !ends_beyond(maker);
     index_free(&maker->corners);
-    index_free(&maker->edges);
-    free(maker->list);
-    maker->list = NULL;
-    maker->n_edges = 0;
     return done;
 }
 
