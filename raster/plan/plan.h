@@ -10,7 +10,7 @@
 
 /* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; the last chunk may have fewer.
  */
-enum { CHUNK_ROWS = 16, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
+enum { CHUNK_ROWS = 32, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */
