@@ -22,6 +22,7 @@ struct judged_point {
     int surface;
     const struct object *object;
     float error;
+    bool is_fine; /* on a triangle smaller than a pixel */
 };
 struct estimating {
     const struct plan *plan;
@@ -140,7 +141,8 @@ static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
     if (compare_point(&surface, &pixel->triangle, pixel->at, of->attributes, points))
         of->points[of->n_points++] = (struct judged_point){
             pixel->surface, placed->object,
-            (float)measure_difference(&of->measure, placed->shaded, &points[0], &points[1])};
+            (float)measure_difference(&of->measure, placed->shaded, &points[0], &points[1]),
+            pixel->triangle.twice_area < 2};
 }
 
 /* Opens the patches of all shapes. */
@@ -197,9 +199,11 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
     for (int i = 0, n; i < of->n_points; i += n) {
         const struct judged_point *points = &of->points[i];
         struct accuracy_object object = {.surface = points->surface};
-        for (n = 0; i + n < of->n_points && points[n].object == points->object; n++)
+        for (n = 0; i + n < of->n_points && points[n].object == points->object; n++) {
+            object.n_fine += points[n].is_fine;
             if (points[n].surface < object.surface)
                 object.surface = points[n].surface;
+        }
         object.quantile_95 = quantile(points, n);
         object.points = n;
         if (!array_add(&out->objects, &out->n_objects, &object, sizeof object, err))

@@ -52,7 +52,7 @@ bool compare_point(const struct judged_surface *of, const struct screen_triangle
 struct accuracy_object {
     int surface;        /* the first of its instances that is seen */
     double quantile_95; /* 95 % of its pixels have at most this error */
-    int points;         /* of it that were judged */
+    int points, n_fine; /* of it that were judged; of these, on triangles smaller than a pixel */
 };
 struct accuracy_estimate { /* of shading; outlines do not count */
     enum measure_unit unit;

@@ -157,13 +157,37 @@ static void note_refined(const struct plan *plan, struct notes *notes)
              unit_of(&refined->estimate), name, limit);
 }
 
+/* Adds a note on the object that has most points on triangles smaller than a pixel, where a quarter
+ * of the triangles would do well: errors of shading grow as areas do. */
+static void note_fine(const struct plan *plan, struct notes *notes)
+{
+    const struct accuracy_estimate *of = &notes->shading->estimate;
+    const struct accuracy_object *finest = NULL;
+    char name[256];
+    for (int i = 0; i < of->n_objects; i++)
+        if (of->objects[i].points >= FEWEST_POINTS &&
+            2 * of->objects[i].n_fine > of->objects[i].points &&
+            8 * of->objects[i].quantile_95 <= just_seen &&
+            (!finest || of->objects[i].n_fine > finest->n_fine))
+            finest = &of->objects[i];
+    if (!finest)
+        return;
+    object_text(plan, finest->surface, name, sizeof name);
+    note_add(notes, "fine",
+             "the triangles of %s are smaller than a pixel: a quarter of them would be off by some "
+             "%.2g CIEDE2000, and take less time",
+             name, 4 * finest->quantile_95);
+}
+
 /* Adds a note on the object whose shading is worst, if it is seen to be wrong. */
 static void note_shading(const struct plan *plan, struct notes *notes)
 {
     const struct accuracy_object *worst = worst_of(&notes->shading->estimate);
     char name[256];
-    if (!(worst->quantile_95 > just_seen))
+    if (!(worst->quantile_95 > just_seen)) {
+        note_fine(plan, notes);
         return;
+    }
     object_text(plan, worst->surface, name, sizeof name);
     note_add(notes, "shading",
              "the shading of %s is off by up to %.2g CIEDE2000 at 95 %% of its pixels "

@@ -210,6 +210,21 @@ def shading():
         check(notes == [], f"{name} gets no note on shading", notes)
 
 
+def fine():
+    """A sphere of so many triangles that each is smaller than a pixel: a quarter of them is off by what the note says."""
+    def plan_of(n, *options):
+        return run("plan", HEAD + LIGHT + GREY + f"object sphere 5 {n} {n} material m\n", *options)
+    notes = printed(plan_of(200))
+    found = re.search(r"^the triangles of m \(.*notes.scene:6\) are smaller than a pixel: a quarter of them would be off by some "
+                      r"([0-9.]+) CIEDE2000, and take less time$", notes[0] if len(notes) == 1 else "")
+    check(found, "a sphere finer than the pixels gets a note", notes)
+    expected_codes.add("fine")
+    off = float(re.search(r"error 95 +([0-9.e-]+)", plan_of(100).stdout)[1])
+    check(found and 0.7 < float(found[1]) / off < 1.4, "and a quarter of the triangles is off by that", found and found[1], off)
+    for name, plan in ("coarser one", plan_of(50)), ("larger picture", plan_of(200, "--size", "2000x2000")):
+        check(printed(plan) == [], f"a {name} gets none", printed(plan))
+
+
 def manual():
     with open("spectral.1", encoding="utf-8") as page:
         documented = set(re.findall(r"[a-z-]+", " ".join(re.findall(r"^\.It (.*)", page.read(), re.MULTILINE))))
@@ -229,5 +244,5 @@ def builtin():
               (len(shading) == 1) == (scene in SHADED), f"{scene} has the expected notes", notes)
 
 
-parts(no_light, emission, out_of_view, turns, black, depth, extrapolated, commands, shading, manual, builtin)
+parts(no_light, emission, out_of_view, turns, black, depth, extrapolated, commands, shading, fine, manual, builtin)
 done()
