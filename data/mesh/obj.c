@@ -241,11 +241,8 @@ static bool is_skipped(const struct word *name)
         "l",    "vp",    "cstype",     "deg",       "bmat",   "step",   "curv", "curv2",
         "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",  "con",
         "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
-        "cdc",  "cdp",   "shadow_obj", "trace_obj", "res",    "vw",     "t"};
-    for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
-        if (word_is(name, skipped[i]))
-            return true;
-    return false;
+        "cdc",  "cdp",   "shadow_obj", "trace_obj", "res",    "vw",     "t",    NULL};
+    return word_find(name, skipped) >= 0;
 }
 
 static bool read_statement(struct text *text, const struct word *name, struct obj *obj,

@@ -158,6 +158,26 @@ bool material_read(const char *path, struct place from, struct material *out, st
 
 /* ---- materials written in a scene ---- */
 
+enum block_kind {
+    BLOCK_DIFFUSE,
+    BLOCK_SPECULAR,
+    BLOCK_GLOSS,
+    BLOCK_FLUORESCENCE,
+    BLOCK_DONALDSON,
+    BLOCK_TEXTURE,
+    BLOCK_SPECTRAL_TEXTURE,
+    BLOCK_EMISSION,
+    BLOCK_METAMER,
+    BLOCK_END
+};
+static const char *const block_words[] = {
+    "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
+    "texture", "spectral-texture", "emission", "metamer",      "}",
+    NULL};
+static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", "a gloss",
+                                                    "a spectrum", "a file",     "a file",
+                                                    "a file",     "a spectrum", "a material"};
+
 /* Reads the next word, of this line or a later one. Refuses a } that touches a word: it would pass
  * for a part of the word. */
 static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
@@ -188,35 +208,15 @@ static bool read_choice(struct text *text, const char *const words[], const char
     struct word word;
     if (!block_word(text, &word, open, err))
         return false;
-    for (*out = 0; words[*out]; ++*out)
-        if (word_is(&word, words[*out]))
-            return true;
+    *out = word_find(&word, words);
+    if (*out >= 0)
+        return true;
     *out = 0;
-    if (text->line_start == before.line_start && !material_has_word(&word) && !word_is(&word, "}"))
+    if (text->line_start == before.line_start && word_find(&word, block_words) < 0)
         return (*out = word_choose(&word, words, what, err)) >= 0;
     *text = before;
     return true;
 }
-
-enum block_kind {
-    BLOCK_DIFFUSE,
-    BLOCK_SPECULAR,
-    BLOCK_GLOSS,
-    BLOCK_FLUORESCENCE,
-    BLOCK_DONALDSON,
-    BLOCK_TEXTURE,
-    BLOCK_SPECTRAL_TEXTURE,
-    BLOCK_EMISSION,
-    BLOCK_METAMER,
-    BLOCK_END
-};
-static const char *const block_words[] = {
-    "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
-    "texture", "spectral-texture", "emission", "metamer",      "}",
-    NULL};
-static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", "a gloss",
-                                                    "a spectrum", "a file",     "a file",
-                                                    "a file",     "a spectrum", "a material"};
 
 static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
@@ -285,10 +285,8 @@ static bool complete_diffuse(struct material *out, struct error *err)
 
 bool material_has_word(const struct word *word)
 {
-    bool found = false;
-    for (int kind = 0; kind < BLOCK_END; kind++)
-        found = found || word_is(word, block_words[kind]);
-    return found;
+    const int kind = word_find(word, block_words);
+    return kind >= 0 && kind < BLOCK_END;
 }
 
 /* Refuses a word that begins a later line than the { and is like no word of a material: it may be
@@ -298,8 +296,7 @@ static bool check_closed(const struct text *text, const struct word *word, struc
 {
     const char *line = text->line_start + strspn(text->line_start, " \t");
     struct suggestion suggestion = {.distance = 0};
-    if (line != word->start || word->place.line == open.line || material_has_word(word) ||
-        word_is(word, "}"))
+    if (line != word->start || word->place.line == open.line || word_find(word, block_words) >= 0)
         return true;
     for (int kind = 0; kind < BLOCK_END; kind++)
         suggestion_add(&suggestion, word, block_words[kind], strlen(block_words[kind]));

@@ -10,7 +10,7 @@
 #include "data/scene/inside.h"
 
 enum statement { KD, KS, KE, NS, MAP_KD, STATEMENTS };
-static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns", "map_Kd"};
+static const char *const statements[] = {"Kd", "Ks", "Ke", "Ns", "map_Kd", NULL};
 
 /* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. */
 static bool spread(const double colour[3], struct place place, const char *name,
@@ -125,11 +125,10 @@ static bool read_map(struct text *text, struct place place, struct material *out
 /* Notes other statements that change a picture: maps; d or Tf below 1, Tr above 0; illum 0 or 1. */
 static void note_lost(struct text *text, const struct word *first, struct material *out)
 {
-    static const char *const maps[] = {"bump", "disp", "decal", "refl"};
-    bool is_map = first->length > 4 && strncasecmp(first->start, "map_", 4) == 0;
+    static const char *const maps[] = {"bump", "disp", "decal", "refl", NULL};
+    const bool is_map = word_find(first, maps) >= 0 ||
+                        (first->length > 4 && strncasecmp(first->start, "map_", 4) == 0);
     double last = word_is(first, "Tr") ? 0 : 1, value;
-    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
-        is_map = is_map || word_is(first, maps[i]);
     out->lost |= is_map ? LOST_MAPS : 0;
     for (struct word word; text_word(text, &word);)
         last = word_is_number(&word, -HUGE_VAL, &value) ? value : last;
@@ -143,10 +142,8 @@ static void note_lost(struct text *text, const struct word *first, struct materi
 static bool read_statement(struct text *text, const struct word *first,
                            struct place given[STATEMENTS], struct material *out, struct error *err)
 {
-    int i = 0;
-    while (i < STATEMENTS && !word_is(first, statements[i]))
-        i++;
-    if (i == STATEMENTS) {
+    const int i = word_find(first, statements);
+    if (i < 0) {
         note_lost(text, first, out);
         return true;
     }

@@ -110,9 +110,7 @@ static bool is_list(struct text text, bool *out, struct error *err)
     while (text_next_line(&text)) {
         if (!text_word(&text, &word))
             continue;
-        *out = !text_word(&text, &more) || set_is(whole);
-        for (int i = 0; statements[i]; i++)
-            *out = *out && !word_is(&word, statements[i]);
+        *out = (!text_word(&text, &more) || set_is(whole)) && word_find(&word, statements) < 0;
         return true;
     }
     return error_at(err, text_whole(&text),

@@ -103,7 +103,7 @@ static bool head_word(struct text *text, struct word *out)
 /* The words of a CGATS file that describe its data. */
 enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
 static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
-                                          "SPECTRAL_NORM"};
+                                          "SPECTRAL_NORM", NULL};
 
 static bool check_cgats(const double *head, struct place place, struct error *err)
 {
@@ -171,11 +171,9 @@ static bool read_format(struct table *table, struct error *err)
 /* Reads the number of a word of the head. Some programs write it in quotes. */
 static bool read_head(struct table *table, const struct word *name, double *head, struct error *err)
 {
+    const int i = word_find(name, cgats_words);
     struct word word;
-    int i = 0;
-    while (i < CGATS_WORDS && !word_is(name, cgats_words[i]))
-        i++;
-    if (i == CGATS_WORDS)
+    if (i < 0)
         return true;
     if (!text_expect(&table->text, &word, cgats_words[i], err))
         return false;

@@ -136,6 +136,14 @@ const char *suggestion_end(struct suggestion *suggestion, const char *otherwise)
 
 /* ---- words with a meaning ---- */
 
+int word_find(const struct word *word, const char *const *known)
+{
+    for (int i = 0; known[i]; i++)
+        if (word_is(word, known[i]))
+            return i;
+    return -1;
+}
+
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err)
 {
