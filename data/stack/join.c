@@ -15,7 +15,6 @@ struct joined {
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
-    int bits;           /* of a sample, in all parts */
     unsigned char *has; /* of each row of the picture: a part had it; owned */
     char *bytes;        /* COPIED_BYTES; owned */
 };
@@ -52,9 +51,9 @@ static bool check_layout(const struct joined *joined, const struct cube *part,
     const struct record *record = &part->record;
     const struct numbers *nm = &record->wavelengths; /* one a page, or none */
     return (part->image.width == first->image.width &&
-            part->image.n_pages == first->image.n_pages && layout->bits == joined->bits &&
-            !layout->by_pixels && !layout->big_endian &&
-            record->rows.value[2] == first->record.rows.value[2] &&
+            part->image.n_pages == first->image.n_pages &&
+            layout->bits == joined->writer.pages.bits && !layout->by_pixels &&
+            !layout->big_endian && record->rows.value[2] == first->record.rows.value[2] &&
             strcmp(record->full_scale, first->record.full_scale) == 0 &&
             (nm->n == 0 || memcmp(nm->value, first->record.wavelengths.value,
                                   (size_t)nm->n * sizeof *nm->value) == 0) &&
@@ -156,7 +155,6 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &method, err);
-    joined->bits = layout.bits;
     joined->has_sums = stack_verdict_read(part->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
     const struct stack_options options = {.width = part->image.width,
@@ -164,7 +162,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .n_wavelengths = part->image.n_pages,
                                           .wavelengths_nm = part->record.wavelengths.value,
                                           .full_scale = strtod(part->record.full_scale, NULL),
-                                          .bits = joined->bits,
+                                          .bits = layout.bits,
                                           .scene = part->record.scene,
                                           .provenance = joined->record,
                                           .map_bytes = part->record.map_bytes,
@@ -208,7 +206,7 @@ static bool copy_rows(struct joined *joined, const struct cube *part, uint64_t f
                       struct error *err)
 {
     const struct image *image = &part->image;
-    const size_t row_bytes = (size_t)image->width * (size_t)joined->bits / 8;
+    const size_t row_bytes = (size_t)image->width * (size_t)joined->writer.pages.bits / 8;
     for (int page = 0; page < image->n_pages; page++, from += row_bytes * (uint64_t)image->height)
         if (!copy_page(joined, part, page, from, row_bytes, err))
             return false;
