@@ -85,8 +85,8 @@ static bool find_peaks(struct adaptive *a, struct error *err)
     struct sampling *out = a->sampling;
     const int n = a->spectra->n_nm;
     bool *summit;
-    out->peak_nm = sampling_numbers((size_t)n, err);
-    if (!out->peak_nm || !MAKE_ARRAY(summit, n, err, "the peaks of the spectra"))
+    if (!sampling_numbers(&out->peak_nm, (size_t)n, err) ||
+        !MAKE_ARRAY(summit, n, err, "the peaks of the spectra"))
         return false;
     for (int i = 0; i < a->spectra->n_lights; i++)
         cut_at_peaks(a, spectrum_row(a, i), summit);
@@ -300,8 +300,8 @@ static void find_segments(struct adaptive *a, double tolerance)
 static bool make_room(struct adaptive *a, struct error *err)
 {
     const size_t n_nm = (size_t)a->spectra->n_nm, count = (size_t)a->n_spectra;
-    a->scale = sampling_numbers(count + n_nm + 1, err);
-    if (!a->scale || !MAKE_ARRAY(a->cut, n_nm + 1, err, "the segments of a sampling") ||
+    if (!sampling_numbers(&a->scale, count + n_nm + 1, err) ||
+        !MAKE_ARRAY(a->cut, n_nm + 1, err, "the segments of a sampling") ||
         !MAKE_ARRAY(a->segments, 2 * n_nm, err, "the segments of a sampling"))
         return false;
     a->seen = a->scale + count;

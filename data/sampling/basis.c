@@ -94,8 +94,7 @@ static bool turn_products(struct components *out, struct error *err)
     const size_t count = (size_t)n * (size_t)n_nm;
     const double largest = largest_of(out->spectra->products, count);
     double longest = 0;
-    out->direction = sampling_numbers(count > 0 ? count : 1, err);
-    if (!out->direction)
+    if (!sampling_numbers(&out->direction, count, err))
         return false;
     for (size_t i = 0; i < count && largest > 0; i++)
         out->direction[i] = out->spectra->products[i] / largest;
@@ -200,8 +199,7 @@ static bool find_components(const struct sampling_task *task, struct components 
     if (!turn_products(c, err))
         return false;
     c->n = task->count < c->rank ? task->count : c->rank;
-    c->axis = sampling_numbers((2 + (size_t)spectra->n_products) * (size_t)c->n + 1, err);
-    if (!c->axis)
+    if (!sampling_numbers(&c->axis, (2 + (size_t)spectra->n_products) * (size_t)c->n, err))
         return false;
     c->shear = c->axis + c->n;
     c->units = c->shear + c->n;

@@ -96,10 +96,10 @@ static bool make_grid(const struct scene *scene, struct spectral_pages *out, str
                         "wavelengths from %.10g to %.10g nm; a sampling takes up to %d nm", first,
                         last, WIDEST_RANGE);
     out->n = (int)n;
-    out->wavelength_nm = sampling_numbers((size_t)n, err);
-    for (int i = 0; out->wavelength_nm && i < out->n; i++)
+    const bool done = sampling_numbers(&out->wavelength_nm, (size_t)n, err);
+    for (int i = 0; done && i < out->n; i++)
         out->wavelength_nm[i] = first + i;
-    return out->wavelength_nm != NULL;
+    return done;
 }
 
 bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err)

@@ -12,9 +12,9 @@ bool sample_gauss(const struct sampling_task *task, struct error *err)
     const double first_nm = out->pages.first_nm - 0.5,
                  last_nm = out->pages.first_nm + out->fine.n - 0.5;
     struct quadrature rule;
-    double *weight = sampling_numbers((size_t)out->fine.n, err);
+    double *weight;
     int points = 0;
-    if (!weight)
+    if (!sampling_numbers(&weight, (size_t)out->fine.n, err))
         return false;
     for (int j = 0; j < out->fine.n; j++) {
         weight[j] = open ? 1 : sampling_seen(out, j);
@@ -162,8 +162,7 @@ bool sample_gauss_functions(const struct sampling_task *task, struct error *err)
     struct functions functions = {.sampling = out};
     if (task->count > out->fine.n)
         return sampling_refuse(task, out->fine.n, err);
-    functions.row = sampling_numbers(3 * (size_t)out->fine.n, err);
-    if (!functions.row)
+    if (!sampling_numbers(&functions.row, 3 * (size_t)out->fine.n, err))
         return false;
     find_functions(&functions);
     const bool done = solve(&functions, task->count) ? union_of_nodes(&functions, out, err)

@@ -52,8 +52,8 @@ extern const struct sampling_traits sampling_kinds[]; /* in method.c */
 /* Makes room for n pages, and for the arrays that are wanted. */
 enum { SEGMENTS = 1, ANALYSIS = 2, SYNTHESIS = 4 };
 bool sampling_room(struct sampling *out, int n, int arrays, struct error *err);
-/* Returns a zeroed array; NULL after an error. */
-double *sampling_numbers(size_t count, struct error *err);
+/* Makes a zeroed array. */
+bool sampling_numbers(double **out, size_t count, struct error *err);
 /* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
 double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */

@@ -4,30 +4,27 @@
 
 /* ---- arrays ---- */
 
-double *sampling_numbers(size_t count, struct error *err)
+bool sampling_numbers(double **out, size_t count, struct error *err)
 {
-    double *numbers;
-    return MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count) ? numbers : NULL;
+    return MAKE_ARRAY(*out, count, err, "%zu numbers of a sampling", count);
 }
 
 bool sampling_room(struct sampling *out, int n, int arrays, struct error *err)
 {
     const size_t cells = (size_t)n * (size_t)out->fine.n;
     out->pages.n = n;
-    out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
-    out->weights = sampling_numbers((size_t)out->fine.n_channels * (size_t)n, err);
-    return out->pages.wavelength_nm && out->weights &&
+    return sampling_numbers(&out->pages.wavelength_nm, (size_t)n, err) &&
+           sampling_numbers(&out->weights, (size_t)out->fine.n_channels * (size_t)n, err) &&
            (!(arrays & SEGMENTS) || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n)) &&
-           (!(arrays & ANALYSIS) || (out->pages.analysis = sampling_numbers(cells, err))) &&
-           (!(arrays & SYNTHESIS) || (out->synthesis = sampling_numbers(cells, err)));
+           (!(arrays & ANALYSIS) || sampling_numbers(&out->pages.analysis, cells, err)) &&
+           (!(arrays & SYNTHESIS) || sampling_numbers(&out->synthesis, cells, err));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
                         struct fine_detector *out, struct error *err)
 {
-    *out = (struct fine_detector){
-        n, detector->n, .nm = sampling_numbers((1 + (size_t)detector->n) * (size_t)n, err)};
-    if (!out->nm)
+    *out = (struct fine_detector){.n = n, .n_channels = detector->n};
+    if (!sampling_numbers(&out->nm, (1 + (size_t)detector->n) * (size_t)n, err))
         return false;
     out->weights = out->nm + n;
     for (int j = 0; j < n; j++)
@@ -47,24 +44,25 @@ double sampling_seen(const struct sampling *sampling, int j)
 
 /* ---- between wavelengths ---- */
 
-/* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
- * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
-static double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
-                                struct error *err)
+/* Makes the synthesis of pages that are radiances at wavelengths: linear between them, constant
+ * beyond the ends. */
+static bool make_synthesis(struct sampling *out, struct error *err)
 {
-    double *out = sampling_numbers((size_t)n * (size_t)n_nm, err);
-    for (int j = 0; out && j < n_nm; j++) {
-        double *row = out + (size_t)j * (size_t)n;
-        const int after = samples_up_to(wavelength_nm, n, first_nm + j), before = after - 1;
+    const double *nm = out->pages.wavelength_nm;
+    const int n = out->pages.n;
+    const bool done = sampling_numbers(&out->synthesis, (size_t)n * (size_t)out->fine.n, err);
+    for (int j = 0; done && j < out->fine.n; j++) {
+        const double at = out->pages.first_nm + j;
+        const int after = samples_up_to(nm, n, at), before = after - 1;
+        double *row = out->synthesis + (size_t)j * (size_t)n;
         if (before < 0 || after == n) {
             row[before < 0 ? 0 : before] = 1;
             continue;
         }
-        row[after] =
-            (first_nm + j - wavelength_nm[before]) / (wavelength_nm[after] - wavelength_nm[before]);
+        row[after] = (at - nm[before]) / (nm[after] - nm[before]);
         row[before] = 1 - row[after];
     }
-    return out;
+    return done;
 }
 
 /* ---- weights ---- */
@@ -146,10 +144,7 @@ static bool complete(const struct sampling_task *task, struct error *err)
     if (out->segment_nm)
         sampling_weights(task->detector, wavelength_nm, out->segment_nm, out->pages.n,
                          out->weights);
-    if (!out->pages.analysis)
-        out->synthesis =
-            linear_synthesis(wavelength_nm, out->pages.n, out->pages.first_nm, out->fine.n, err);
-    return out->synthesis || out->pages.analysis;
+    return out->pages.analysis || make_synthesis(out, err);
 }
 
 bool sampling_make(const struct sampling_method *method, const char *detector,

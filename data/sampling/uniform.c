@@ -120,7 +120,7 @@ bool sample_tristimulus(const struct sampling_task *task, struct error *err)
         tristimulus_to_srgb(to);
     tristimulus_inverse(to, back);
     if (!sampling_room(out, 3, ANALYSIS, err) ||
-        !(out->pages.reflectance_analysis = sampling_numbers(n, err)))
+        !sampling_numbers(&out->pages.reflectance_analysis, n, err))
         return false;
     memcpy(out->pages.analysis, out->fine.weights, n * sizeof *out->pages.analysis);
     tristimulus_apply_all(to, out->fine.n, out->pages.analysis);
