@@ -98,12 +98,9 @@ static void fill_standard(void)
  * own, as the usual one may be full. */
 static void handle(int number, void (*handler)(int number))
 {
-    struct sigaction action;
-    if (sigaction(number, NULL, &action) != 0 || action.sa_handler != SIG_DFL)
+    struct sigaction now, action = {.sa_handler = handler, .sa_flags = SA_ONSTACK};
+    if (sigaction(number, NULL, &now) != 0 || now.sa_handler != SIG_DFL)
         return;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = handler;
-    action.sa_flags = SA_ONSTACK;
     for (int i = 0; i < ENDING_SIGNALS; i++)
         sigaddset(&action.sa_mask, ending_signals[i]);
     sigaction(number, &action, NULL);
