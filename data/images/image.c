@@ -339,14 +339,13 @@ static bool wavelengths_keep(struct image *image, struct error *err)
 static bool pages_read(struct image *image, image_tags *read_tags, struct error *err)
 {
     struct image_file *file = image->file;
-    bool first = true;
-    for (bool more = true; more; more = !TIFFLastDirectory(image->tiff)) {
-        if (!first && !TIFFReadDirectory(image->tiff))
-            return image_refuse_broken(image, -1, err);
-        first = false;
+    for (bool more = true; more;) {
         if (!source_is_sound(image, err) ||
             (!is_subfile(image->tiff) && !directory_add(image, read_tags, err)))
             return false;
+        more = !TIFFLastDirectory(image->tiff);
+        if (more && !TIFFReadDirectory(image->tiff))
+            return image_refuse_broken(image, -1, err);
     }
     if (image->n_pages == 0)
         return image_refuse(image, -1, err, "it has only overviews or masks");
