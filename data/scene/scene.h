@@ -143,7 +143,8 @@ bool scene_set_light(struct scene *scene, const char *text, struct error *err);
 
 /* Changes of all scenes; and of those that are shaded once, as cost and verify do not. */
 extern const struct option_list scene_options, shading_options;
-/* Reads SCENE and makes the changes that the options ask for, in their order. */
+/* Reads SCENE and makes the changes that the options ask for, in their order. The caller frees
+ * *out, also after a failure. */
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err);
 /* Refuses a text file, or the name of a built-in scene, where a stack is expected: nobody has
  * rendered it yet.

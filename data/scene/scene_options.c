@@ -93,13 +93,12 @@ static bool refuse_picture(const char *scene, struct error *err)
 
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err)
 {
-    if (!refuse_picture(options_scene(options), err) ||
-        !scene_read(options_scene(options), out, err))
-        return false;
-    for (int i = 0; i < options->n_changes; i++)
-        if (!options->changes[i].apply(out, options->changes[i].value, err))
-            return false;
-    return true;
+    *out = (struct scene){0};
+    bool done =
+        refuse_picture(options_scene(options), err) && scene_read(options_scene(options), out, err);
+    for (int i = 0; done && i < options->n_changes; i++)
+        done = options->changes[i].apply(out, options->changes[i].value, err);
+    return done;
 }
 
 bool scene_refuse(const char *stack, struct error *err)
