@@ -7,13 +7,13 @@
 /* ---- the library ---- */
 
 /* Mesa takes and frees blocks of megabytes in each draw. The GNU C library gives them back to the
- * kernel, which clears them for the next draw: with these bytes it keeps them. */
+ * kernel, which clears them for the next draw: with these bytes it keeps them. M_TOP_PAD stays
+ * small: the heap of each thread has it, and --memory counts it. */
 static void keep_freed_blocks(void)
 {
-#ifdef M_TOP_PAD
-    mallopt(M_MMAP_THRESHOLD, 1 << 30);
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
-    mallopt(M_TOP_PAD, 1 << 26);
+#ifdef M_MMAP_THRESHOLD
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);
+    mallopt(M_TRIM_THRESHOLD, 1 << 26);
 #endif
 }
 

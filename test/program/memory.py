@@ -148,4 +148,8 @@ for name, command, make in HOSTILE:
     check(peak <= TILE_MIB + LIMIT_MIB, f"{name}: at most {TILE_MIB} + {LIMIT_MIB} MiB", f"{peak:.0f} MiB", *lines)
     check(status == 0 or (status in (2, 3) and len(lines) == 1), f"{name}: a result, or one line and exit status 2 or 3",
           f"status {status}", *lines)
+# The GNU C library gives each of many threads a heap, as on a machine with as many processors; what it takes in advance counts.
+os.environ.update(LP_NUM_THREADS="16", MALLOC_ARENA_MAX="1000")
+status, lines, peak, _ = run(["render", "spheres", "--size", "600x400", "--threads", "16"])
+check(status == 0 and peak <= TILE_MIB + LIMIT_MIB, "32 threads with a heap each suffice", f"status {status}, {peak:.0f} MiB", *lines)
 done()
