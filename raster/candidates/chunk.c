@@ -432,7 +432,7 @@ static void chunk_free(struct chunk *chunk)
 
 /* ---- tiles ---- */
 
-/* Draws a chunk of a tile: CHUNK_ROWS, fewer in the last one. Finds its candidates if the plan asks
+/* Draws a chunk of a tile. Finds its candidates if the plan asks
  * for a check. A plan that neither checks nor stores the reference's pixels gets no picture: only
  * picture.at is set. Results do not depend on how a picture is cut into chunks. chunk_free accepts
  * what a failure left. */
@@ -440,10 +440,10 @@ static void draw_chunk(void *context, int i)
 {
     struct tile *tile = context;
     const struct plan_options *options = &tile->lit->plan->options;
-    const int above = i * CHUNK_ROWS, left = tile->at.height - above;
+    const int most = tile->lit->plan->chunk_rows, above = i * most, left = tile->at.height - above;
     struct chunk *out = &tile->chunks[i];
     *out = (struct chunk){.picture = {.at = {tile->at.x, tile->at.y + above, tile->at.width,
-                                             left < CHUNK_ROWS ? left : CHUNK_ROWS}}};
+                                             left < most ? left : most}}};
     if (((options->check || options->store_raster) && !draw_rows(tile->lit, out)) ||
         (options->check && !find_candidates(tile, out)))
         counter_add(&tile->failures, 1);
@@ -469,11 +469,11 @@ static bool tile_lacks_memory(const struct tile *tile, struct error *err)
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {
-    const int n = plan_tiles(lit->plan, region);
+    const int n = plan_tiles(lit->plan, region), rows = lit->plan->chunk_rows;
     bool done = true;
     for (int i = 0; done && i < n; i++) {
         struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i), .failures = COUNTER};
-        tile.n_chunks = (tile.at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+        tile.n_chunks = (tile.at.height + rows - 1) / rows;
         if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
             return false;
         threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &tile);

@@ -241,12 +241,12 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
 static const struct chunk *neighbour(const struct tile *tile, const struct chunk *chunk,
                                      size_t *pixel, int number)
 {
-    const int width = tile->at.width, x = (int)*pixel % width + (number == 1) - (number == 2),
+    const int width = tile->at.width, rows = tile->lit->plan->chunk_rows,
+              x = (int)*pixel % width + (number == 1) - (number == 2),
               y = chunk->picture.at.y - tile->at.y + (int)*pixel / width + (number == 0) -
                   (number == 3);
-    *pixel = (size_t)(y % CHUNK_ROWS * width + x);
-    return x < 0 || x >= width || y < 0 || y >= tile->at.height ? NULL
-                                                                : &tile->chunks[y / CHUNK_ROWS];
+    *pixel = (size_t)(y % rows * width + x);
+    return x < 0 || x >= width || y < 0 || y >= tile->at.height ? NULL : &tile->chunks[y / rows];
 }
 
 /* Radiance in counts. */

@@ -20,6 +20,9 @@ enum { MASK_BYTES = 4, CHECKED_ROW_BYTES = 8 };
  * draws depend on where a tile begins. */
 static const size_t tile_budget = (size_t)165 << 20;
 enum { SIDE_BY_SIDE_BYTES = 32 };
+/* A tile has a multiple of so many rows. A chunk has so many, too: more take memory; but where a
+ * tile is narrower than this, twice as many, since triangles are set up anew for each chunk. */
+enum { TILE_STEP = 16, NARROW = 1024 };
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
 
@@ -102,16 +105,17 @@ static void size_tiles(struct plan *plan)
     /* another program draws the picture in one piece */
     size_t pixels = plan->options.complete ? (size_t)LARGEST_TILE * LARGEST_TILE
                                            : tile_budget / (pixel - SIDE_BY_SIDE_BYTES),
-           most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
+           most = pixels / TILE_STEP, columns = LARGEST_TILE;
     int width = plan->view.width, height = plan->view.height;
     while (columns > most && columns > 1)
         columns /= 2;
     plan->tile_width = width < (int)columns ? width : (int)columns;
-    const size_t fit = pixels / (size_t)plan->tile_width, rows = fit < CHUNK_ROWS ? CHUNK_ROWS
+    const size_t fit = pixels / (size_t)plan->tile_width, rows = fit < TILE_STEP ? TILE_STEP
                                                                  : fit > LARGEST_TILE
                                                                      ? LARGEST_TILE
-                                                                     : fit - fit % CHUNK_ROWS;
+                                                                     : fit - fit % TILE_STEP;
     plan->tile_height = (int)rows < height ? (int)rows : height;
+    plan->chunk_rows = plan->tile_width < NARROW ? 2 * TILE_STEP : TILE_STEP;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
     plan->map_bytes = map_is_unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;

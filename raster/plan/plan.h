@@ -8,9 +8,7 @@
 #include "data/sampling/sampling.h"
 #include "raster/renderers/renderers.h"
 
-/* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; the last chunk may have fewer.
- */
-enum { CHUNK_ROWS = 32, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
+enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */
@@ -111,6 +109,8 @@ struct plan {
     int n_light_groups;          /* passes that a group of bands takes: see light_group */
     int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
+    int chunk_rows; /* of a tile, that a thread draws and judges at a time; the last chunk may have
+                       fewer */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[N_EFFECTS];

@@ -50,7 +50,7 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
         memcpy(options.channels, plane_names, sizeof plane_names);
     const bool done =
         in_words && picture_open(&out->picture, path, &options, err) &&
-        MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path);
+        MAKE_ARRAY(out->samples, plan->tile_width * plan->chunk_rows, err, "rows of %s", path);
     free(in_words);
     return done;
 }

@@ -162,7 +162,9 @@ static void share_work(struct tile_pass *of, int n, void (*work)(void *of, int i
 /* OpenGL's pixels of a chunk. */
 static const float *pixels_of(const struct tile_pass *of, int chunk)
 {
-    return of->pixels ? of->pixels + (size_t)chunk * (size_t)CHUNK_ROWS * of->stride * 4 : NULL;
+    return of->pixels
+               ? of->pixels + (size_t)chunk * (size_t)of->state->plan->chunk_rows * of->stride * 4
+               : NULL;
 }
 
 static void identify_chunk(void *context, int i)
@@ -377,8 +379,9 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
  * An unknown surface number counts as background. */
 static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
 {
-    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
-    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
+    const int rows = of->plan->chunk_rows;
+    const struct picture *picture = &tile->chunks[y / rows].picture;
+    const size_t pixel = (size_t)(y % rows) * (size_t)tile->at.width + (size_t)x;
     const int surface = of->plan->options.store_raster
                             ? picture->surface[pixel]
                             : of->renderer->kind->shown(of->renderer, x, y).surface;

@@ -116,9 +116,10 @@ bool decompose(const struct lit_scene *lit, const struct decomposition *of, stru
 {
     const struct rectangle picture = plan_picture(lit->plan);
     struct page_chunk chunk = {.of = of, .lit = lit};
-    const bool done = MAKE_ARRAY(chunk.values, (size_t)lit->plan->tile_width * (size_t)CHUNK_ROWS,
-                                 err, "the weights of a picture") &&
-                      tiles_each(lit, &picture, take_tile, &chunk, err);
+    const bool done =
+        MAKE_ARRAY(chunk.values, (size_t)lit->plan->tile_width * (size_t)lit->plan->chunk_rows, err,
+                   "the weights of a picture") &&
+        tiles_each(lit, &picture, take_tile, &chunk, err);
     free(chunk.values);
     return done;
 }

@@ -229,7 +229,7 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
     const struct plan *plan = &of->job.plan;
     const struct render_options *own = options->own;
     const struct decomposition decomposition = {.take = take_page, .context = of};
-    const size_t chunk = (size_t)plan->tile_width * (size_t)CHUNK_ROWS;
+    const size_t chunk = (size_t)plan->tile_width * (size_t)plan->chunk_rows;
     of->n_textures = texture_pages(plan, false);
     of->n_weights = weight_pages(plan);
     struct printed record = {.text = NULL}, names = {.text = NULL};

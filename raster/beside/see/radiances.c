@@ -16,7 +16,7 @@ static void use_chunk(void *context, int i)
     struct tile_bands *bands = context;
     const struct lit_scene *lit = bands->tile->lit;
     const struct picture *picture = &bands->tile->chunks[i].picture;
-    const struct rectangle above = {0, 0, picture->at.width, i * CHUNK_ROWS},
+    const struct rectangle above = {0, 0, picture->at.width, i * lit->plan->chunk_rows},
                            before = plan_pixels(lit->plan, &above);
     float *radiance = bands->radiance + (size_t)before.width * (size_t)before.height;
     struct drawn_band drawn = {picture, plan_pixels(lit->plan, &picture->at), bands->first,
