@@ -3,8 +3,8 @@
  * the red channel used, read back row by row, no check and no file. A process of its own, so that
  * ratios.py can time it beside the program.
  * usage: thesis SIZE WAVELENGTHS [at-once], both as the options of `spectral render`
- * at-once: the fastest loop that makes the same floats: it lights one side, and reads a picture at
- * once. */
+ * at-once: the fastest loop that makes the same floats: it lights one side, and leaves a picture
+ * where OSMesa puts it. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,12 +61,12 @@ static void draw_band(const struct plan *plan, int band)
 
 static void draw_bands(const struct plan *plan, bool at_once)
 {
-    int width = plan->scene->width, height = plan->scene->height, rows = at_once ? height : 1;
+    int width = plan->scene->width, height = plan->scene->height;
     float *buffer = malloc((size_t)width * (size_t)height * 4 * sizeof *buffer);
-    float *radiances = malloc((size_t)width * (size_t)rows * sizeof *radiances);
+    float *row = malloc((size_t)width * sizeof *row);
     static const GLfloat position[4] = {0, 0, 8, 1};
     OSMesaContext context = OSMesaCreateContextExt(OSMESA_RGBA, 24, 0, 0, NULL);
-    if (!buffer || !radiances || !OSMesaMakeCurrent(context, buffer, GL_FLOAT, width, height))
+    if (!buffer || !row || !OSMesaMakeCurrent(context, buffer, GL_FLOAT, width, height))
         exit(3);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_LIGHTING);
@@ -81,12 +81,13 @@ static void draw_bands(const struct plan *plan, bool at_once)
     compile_lists(plan);
     for (int band = 0; band < plan->n_bands; band++) {
         draw_band(plan, band);
-        for (int y = 0; y < height; y += rows)
-            glReadPixels(0, y, width, rows, GL_RED, GL_FLOAT, radiances);
+        glFinish();
+        for (int y = 0; y < height && !at_once; y++)
+            glReadPixels(0, y, width, 1, GL_RED, GL_FLOAT, row);
     }
     OSMesaDestroyContext(context);
     free(buffer);
-    free(radiances);
+    free(row);
 }
 
 int main(int argc, char **argv)
