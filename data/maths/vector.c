@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Points, directions and matrices in double. */
-
 #include "data/maths/maths.h"
 
 /* The vector and its squared length, times a power of two (and its square) where the square of the

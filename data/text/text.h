@@ -103,9 +103,7 @@ const char *suggestion_end(struct suggestion *suggestion, const char *otherwise)
 
 /* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
 
-/* Returns the index of the word in `known`, which ends with NULL; -1: it is quoted, or none of
- * them.
- */
+/* Returns the index of the word in `known`, which ends with NULL; -1: it is none, or quoted. */
 int word_find(const struct word *word, const char *const *known);
 /* Returns the index of the word in `known`, which ends with NULL; ignores case. Returns -1 for any
  * other word, with an error that proposes the nearest known one. `what` names the word in the
