@@ -25,8 +25,8 @@ struct judged_point {
     bool is_fine; /* on a triangle smaller than a pixel */
 };
 struct estimating {
-    const struct plan *plan;
-    const struct surface *surfaces;
+    const struct lit_scene *lit;
+    const struct plan *plan; /* of the lit scene */
     struct measure measure;
     struct lattice lattice;
     struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
@@ -102,7 +102,7 @@ static void draw_triangle(const struct estimating *of, int surface,
 static void draw_surface(const struct estimating *of, int index)
 {
     struct screen_triangle parts[SCREEN_TRIANGLES];
-    const struct surface *surface = &of->surfaces[index];
+    const struct surface *surface = &of->lit->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
         const int n = screen_triangles(&of->plan->view, surface, i, depth_planes, 2, parts);
         for (int part = 0; part < n; part++)
@@ -135,8 +135,8 @@ static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
     if (pixel->surface < 0)
         return;
     const struct placed_instance *placed = &of->plan->instances[pixel->surface];
-    const struct judged_surface surface = {of->plan, placed, &of->plan->meshes[placed->mesh],
-                                           &of->surfaces[pixel->surface],
+    const struct judged_surface surface = {of->lit, placed, &of->plan->meshes[placed->mesh],
+                                           &of->lit->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
     if (compare_point(&surface, &pixel->triangle, pixel->at, of->attributes, points))
         of->points[of->n_points++] = (struct judged_point){
@@ -220,7 +220,7 @@ bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wa
                        struct accuracy_estimate *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    struct estimating of = {.plan = plan, .surfaces = lit->surfaces};
+    struct estimating of = {.lit = lit, .plan = plan};
     bool done = measure_make(lit, out->unit, observer, &of.measure, err);
     free(out->objects);
     *out = (struct accuracy_estimate){.known = of.measure.known, .unit = of.measure.unit};

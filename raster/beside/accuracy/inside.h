@@ -34,7 +34,7 @@ double measure_difference(const struct measure *measure, int shaded, const struc
 
 /* A surface whose shading is judged, and the surface that its mesh approximates. */
 struct judged_surface {
-    const struct plan *plan;
+    const struct lit_scene *lit;
     const struct placed_instance *placed;
     const struct plan_mesh *mesh;  /* without parameters its facets are exact */
     const struct surface *surface; /* lit */
@@ -42,8 +42,8 @@ struct judged_surface {
 };
 /* Finds both lights at a place of a triangle: the drawn light, and the light of the point of the
  * true surface that the window shows. On a mesh file the facets are true, with interpolated normals
- * (Phong 1975). `attributes`: room for those of two points, twice the plan's max_rows + 2. Returns
- * false where the true surface is not seen. */
+ * (Phong 1975). Shadows are those of the facets, on all surfaces. `attributes`: room for those of
+ * two points, twice the plan's max_rows + 2. Returns false where the true surface is not seen. */
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], double *attributes, struct shaded_point out[2]);
 

@@ -9,7 +9,7 @@ static bool is_front(const struct judged_surface *of, const struct vertex *point
     const struct vector eye = matrix_point(&instance->model_view, point->position),
                         normal = matrix_direction(&instance->normal_matrix, point->normal),
                         far_away = {0, 0, 1};
-    const bool perspective = of->plan->view.projection.row[3][2] != 0;
+    const bool perspective = of->lit->plan->view.projection.row[3][2] != 0;
     return vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
 }
 
@@ -27,12 +27,12 @@ static bool place_point(const struct judged_surface *of, int patch, const double
         vector_scale(vector_subtract(out->position, of->mesh->centre), 1 / of->mesh->unit);
     const struct vector eye = matrix_point(&of->surface->instance->model_view, out->position);
     for (int r = 0; r < 4; r++) {
-        const double *row = of->plan->view.projection.row[r];
+        const double *row = of->lit->plan->view.projection.row[r];
         window->clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
     }
     if (!(window->clip[3] > 0))
         return false;
-    window_place(&of->plan->view, window);
+    window_place(&of->lit->plan->view, window);
     return true;
 }
 
@@ -131,7 +131,7 @@ static bool exact_attributes(const struct judged_surface *of,
 {
     const struct parameters *parameters = of->mesh->mesh.parameters;
     struct light_work ignored = {0};
-    struct view phong = of->plan->view;
+    struct view phong = of->lit->plan->view;
     struct vertex point;
     if (!parameters || patch_is_flat(of->patches->shape, parameters[triangle->vertex[0]].patch)) {
         phong.shading = PHONG;
@@ -141,7 +141,7 @@ static bool exact_attributes(const struct judged_surface *of,
     if (!find_point(of, triangle, at, share, &point))
         return false;
     place_texture(of, triangle, share, &point);
-    light_point(&of->plan->view, of->surface->instance, &point, triangle->side, attributes,
+    light_point(&of->lit->plan->view, of->surface->instance, &point, triangle->side, attributes,
                 &ignored);
     return true;
 }
@@ -154,8 +154,8 @@ static double texel_of(const struct judged_surface *of, const struct screen_tria
                        const double at[2], const double *attributes)
 {
     const struct instance *instance = of->surface->instance;
-    const struct texture *texture = of->plan->materials[of->placed->shaded].texture;
-    const struct view *view = &of->plan->view;
+    const struct texture *texture = of->lit->plan->materials[of->placed->shaded].texture;
+    const struct view *view = &of->lit->plan->view;
     double place[TEXEL_PLACE] = {0};
     if (!instance->textured)
         return 1;
@@ -167,15 +167,31 @@ static double texel_of(const struct judged_surface *of, const struct screen_tria
     return texel_at(&instance->texels, place);
 }
 
+/* Takes from both points the lights whose shadow the drawn one lies in. */
+static void darken(const struct judged_surface *of, const struct screen_triangle *triangle,
+                   const double share[3], double *drawn, double *exact)
+{
+    const struct view *view = &of->lit->plan->view;
+    const struct instance *instance = of->surface->instance;
+    struct seen_point point = seen_point(of->lit->surfaces, triangle, share);
+    point.asked =
+        lights_weighed(view, instance, drawn, 1) | lights_weighed(view, instance, exact, 1);
+    lights_block(&of->lit->occluders, view, &point, 1);
+    lights_darken(view, instance, point.dark, drawn, 1);
+    lights_darken(view, instance, point.dark, exact, 1);
+}
+
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], double *attributes, struct shaded_point out[2])
 {
-    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2, share[3];
+    double *drawn = attributes, *exact = drawn + of->lit->plan->max_rows + 2, share[3];
     struct light_work ignored = {0};
     shares_at(triangle, at[0], at[1], share);
     if (!exact_attributes(of, triangle, at, share, exact))
         return false;
-    shade(&of->plan->view, triangle, share, drawn, &ignored);
+    shade(&of->lit->plan->view, triangle, share, drawn, &ignored);
+    if (of->lit->plan->view.n_shadowed > 0)
+        darken(of, triangle, share, drawn, exact);
     out[0] = (struct shaded_point){drawn, texel_of(of, triangle, at, drawn)};
     out[1] = (struct shaded_point){exact, texel_of(of, triangle, at, exact)};
     return true;
