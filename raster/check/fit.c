@@ -188,7 +188,8 @@ static bool pilots_choose(struct fit *fit, struct error *err)
  * prior of m unknowns by at most sqrt(m q). */
 
 /* Rows of an estimate: of the sum g g' / n^2 the lower triangle, row by row, and then of the sum
- * g d / n^2. m unknowns have m (m + 3) / 2. */
+ * b of g d / n^2; after the last pilot what take_root makes of them. m unknowns have m (m + 3) / 2.
+ */
 static size_t row_of_pair(int i, int j)
 {
     return (size_t)(i * (i + 1) / 2 + j);
@@ -236,7 +237,46 @@ static struct slope slope_of(const struct run *run, int m, size_t i)
     return out;
 }
 
-static void place_add(const struct run *run, const double *difference, float *estimate)
+/* Solves L x = b: see take_root. */
+static void solve(int m, const float *root, size_t stride, const double *b, double *x)
+{
+    for (int i = 0; i < m; i++) {
+        x[i] = b[i];
+        for (int k = 0; k < i; k++)
+            x[i] -= (double)root[row_of_pair(i, k) * stride] * x[k];
+        x[i] *= (double)root[row_of_pair(i, i) * stride];
+    }
+}
+
+/* Puts the root L of M = L L' (Cholesky) into the rows of M, with reciprocals on the diagonal, and
+ * L^-1 b into those of b, for all bands to explain by: single precision rounds both by less than it
+ * did the sums. A place without an error in some direction is not off in it: the reciprocal is 0.
+ */
+static void take_root(const struct slope *slope, float *rows, size_t stride)
+{
+    const int m = slope->m;
+    double root[TEXEL_PLACE][TEXEL_PLACE], b[TEXEL_PLACE], of_b[TEXEL_PLACE], trace = 0;
+    for (int i = 0; i < m; i++) {
+        trace += (double)rows[row_of_pair(i, i) * stride];
+        b[i] = (double)rows[row_of_pair(m, i) * stride];
+    }
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j <= i; j++) {
+            const double e = slope->e_place[i];
+            double left = (double)rows[row_of_pair(i, j) * stride];
+            left += i == j ? sums_error * trace + 1 / (e * e) : 0;
+            for (int k = 0; k < j; k++)
+                left -= root[i][k] * root[j][k];
+            root[i][j] = i == j ? 1 / sqrt(left) : left * root[j][j];
+            rows[row_of_pair(i, j) * stride] = (float)root[i][j];
+        }
+    solve(m, rows, stride, b, of_b);
+    for (int i = 0; i < m; i++)
+        rows[row_of_pair(m, i) * stride] = (float)of_b[i];
+}
+
+static void place_add(const struct run *run, const double *difference, bool is_last,
+                      float *estimate)
 {
     const int m = unknowns_of(run->shaded);
     for (size_t i = 0; i < run->n; i++) {
@@ -247,53 +287,20 @@ static void place_add(const struct run *run, const double *difference, float *es
                 estimate[row_of_pair(j, k) * run->stride + i] += (float)(g[j] * g[k] * over);
             estimate[row_of_pair(m, j) * run->stride + i] += (float)(g[j] * difference[i] * over);
         }
-    }
-}
-
-/* The root L of M = L L', with M's lower triangle in `sums` (Cholesky). A place without an error
- * in some direction is not off in it: *root is infinite there. */
-static void take_root(const struct slope *slope, const float *sums, size_t stride,
-                      double root[TEXEL_PLACE][TEXEL_PLACE])
-{
-    double trace = 0;
-    for (int i = 0; i < slope->m; i++)
-        trace += (double)sums[row_of_pair(i, i) * stride];
-    for (int i = 0; i < slope->m; i++)
-        for (int j = 0; j <= i; j++) {
-            const double e = slope->e_place[i];
-            double left = (double)sums[row_of_pair(i, j) * stride];
-            left += i == j ? sums_error * trace + 1 / (e * e) : 0;
-            for (int k = 0; k < j; k++)
-                left -= root[i][k] * root[j][k];
-            root[i][j] = i == j ? sqrt(left) : left / root[j][j];
-        }
-}
-
-/* Solves L x = b. */
-static void solve(const struct slope *slope, double root[TEXEL_PLACE][TEXEL_PLACE], const double *b,
-                  double *x)
-{
-    for (int i = 0; i < slope->m; i++) {
-        x[i] = b[i];
-        for (int k = 0; k < i; k++)
-            x[i] -= root[i][k] * x[k];
-        x[i] /= root[i][i];
+        if (is_last && slope.is_straight)
+            take_root(&slope, estimate + i, run->stride);
     }
 }
 
 /* Finds g . M^-1 b, what the estimate explains, and q. */
-static void estimate_place(const struct slope *slope, const float *sums, size_t stride,
+static void estimate_place(const struct slope *slope, const float *rows, size_t stride,
                            double *explained, double *q)
 {
-    double root[TEXEL_PLACE][TEXEL_PLACE], of_g[TEXEL_PLACE], of_b[TEXEL_PLACE], b[TEXEL_PLACE];
-    for (int k = 0; k < slope->m; k++)
-        b[k] = (double)sums[row_of_pair(slope->m, k) * stride];
-    take_root(slope, sums, stride, root);
-    solve(slope, root, slope->g, of_g);
-    solve(slope, root, b, of_b);
+    double of_g[TEXEL_PLACE];
+    solve(slope->m, rows, stride, slope->g, of_g);
     *explained = *q = 0;
     for (int k = 0; k < slope->m; k++) {
-        *explained += of_g[k] * of_b[k];
+        *explained += of_g[k] * (double)rows[row_of_pair(slope->m, k) * stride];
         *q += of_g[k] * of_g[k];
     }
 }
@@ -315,7 +322,7 @@ static void place_explain(const struct fit *fit, const struct run *run, int band
         estimate_place(&slope, estimate + i, run->stride, &explained, &q);
         const double itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
         out->explained[i] = (float)explained;
-        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, q)));
+        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(q));
         out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
     }
 }
@@ -480,7 +487,7 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
 {
     const size_t n_terms = (size_t)run->shaded->n_terms;
     if (has_places(run->shaded)) {
-        place_add(run, difference, estimate);
+        place_add(run, difference, band == fit->pilots[fit->n_pilots - 1], estimate);
         return;
     }
     const float *gains = material_of(fit, run)->gains + (size_t)pilot_of(fit, band) * n_terms;
