@@ -434,7 +434,7 @@ static void chunk_free(struct chunk *chunk)
 
 /* Draws a chunk of a tile. Finds its candidates if the plan asks for a check. A plan that neither
  * checks nor stores the reference's pixels gets no picture: only picture.at is set. No pixel
- * depends on how a picture is cut into chunks; sums over pixels may round otherwise. chunk_free
+ * depends on how a picture is cut into chunks; sums and ratios may round otherwise. chunk_free
  * accepts what a failure left. */
 static void draw_chunk(void *context, int i)
 {

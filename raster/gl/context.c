@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The choice of a library, and its canvases. */
-#include <malloc.h>
-
 #include "raster/gl/inside.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 /* ---- the library ---- */
 
@@ -11,9 +13,9 @@
  * small: the heap of each thread has it, and --memory counts it. */
 static void keep_freed_blocks(void)
 {
-#ifdef M_MMAP_THRESHOLD
-    mallopt(M_MMAP_THRESHOLD, 1 << 25);
-    mallopt(M_TRIM_THRESHOLD, 1 << 26);
+#ifdef __GLIBC__
+    if (mallopt(M_MMAP_THRESHOLD, 1 << 25)) /* the other one alone would make this the least */
+        mallopt(M_TRIM_THRESHOLD, 1 << 26);
 #endif
 }
 

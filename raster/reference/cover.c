@@ -163,21 +163,22 @@ double covered_depth(const struct screen_triangle *triangle, double px, double p
 }
 
 /* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
- * that clipping left they extrapolate; where it has no area they are those of its middle. */
+ * that clipping left they extrapolate; where it has no area, or none that roundings leave at the
+ * point, they are those of its middle. */
 double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
 {
     struct edge_functions edges;
     double share[3], sum = 0;
-    bool has_area = triangle->twice_area > 0;
     edges_at(triangle->x, triangle->y, px, py, &edges);
-    for (int i = 0; i < 3; i++) {
-        share[i] = has_area ? edges.e[i] * triangle->inverse_w[i] : 1;
-        sum += share[i];
-    }
+    for (int i = 0; i < 3; i++)
+        sum += share[i] = edges.e[i] * triangle->inverse_w[i];
+    const bool has_area = triangle->twice_area > 0 && sum != 0;
+    for (int i = 0; i < 3; i++)
+        share[i] = has_area ? share[i] / sum : 1.0 / 3;
     for (int j = 0; j < 3; j++)
-        out[j] = share[0] / sum * triangle->share[0][j] + share[1] / sum * triangle->share[1][j] +
-                 share[2] / sum * triangle->share[2][j];
-    return sum / (has_area ? triangle->twice_area : 3);
+        out[j] = share[0] * triangle->share[0][j] + share[1] * triangle->share[1][j] +
+                 share[2] * triangle->share[2][j];
+    return has_area ? sum / triangle->twice_area : 1;
 }
 
 static int clamp_to(double value, int low, int high)

@@ -154,8 +154,8 @@ void occluders_along(const struct occluders *of, struct seen_point *const points
     struct vector low = points[0]->eye.at, high = low;
     for (int i = 0; i < n_points; i++) {
         each[i] = shaft_of(points[i]->eye.at, points[i]->eye.at, to);
-        low = vector_least(low, points[i]->eye.at);
-        high = vector_greatest(high, points[i]->eye.at);
+        low = vector_least(points[i]->eye.at, low); /* NaN leaves it as it is */
+        high = vector_greatest(points[i]->eye.at, high);
     }
     const struct shaft all = shaft_of(low, high, to);
     int32_t waiting[DEEPEST] = {0}, n = of->n > 0;

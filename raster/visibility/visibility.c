@@ -190,7 +190,7 @@ void lights_darken(const struct view *view, const struct instance *instance, uin
             weights[(size_t)t * stride] = 0;
 }
 
-/* Neighbours in a row that show one surface are asked together. */
+/* Pixels of one surface that follow one another are asked together. */
 void picture_shadow(const struct view *view, const struct occluders *of, struct picture *picture,
                     uint32_t *dark)
 {

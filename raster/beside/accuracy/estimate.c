@@ -22,7 +22,7 @@ struct judged_point {
     int surface;
     const struct object *object;
     float error;
-    bool is_fine; /* on a triangle smaller than a pixel */
+    bool is_fine; /* on a triangle smaller than a pixel, of a shape that fewer would draw */
 };
 struct estimating {
     const struct lit_scene *lit;
@@ -142,7 +142,7 @@ static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
         of->points[of->n_points++] = (struct judged_point){
             pixel->surface, placed->object,
             (float)measure_difference(&of->measure, placed->shaded, &points[0], &points[1]),
-            pixel->triangle.twice_area < 2};
+            surface.mesh->mesh.parametric && pixel->triangle.twice_area < 2};
 }
 
 /* Opens the patches of all shapes. */

@@ -650,6 +650,35 @@ static void check_signs(void)
           "the exact sign is known even if the rounded difference is 0");
 }
 
+/* Needles through a centre, whose edge functions may all round to 0 there while the area does not.
+ */
+static void check_shares(void)
+{
+    enum { TRIANGLES = 300000 };
+    uint64_t state = 12;
+    int none = 0, flat = 0;
+    for (int i = 0; i < TRIANGLES; i++) {
+        const struct vector p = random_centre(&state), to = random_point(&state, -8, 8);
+        struct screen_triangle needle = {.inverse_w = {1, 1, 1}, .share = {{1}, {0, 1}, {0, 0, 1}}};
+        struct edge_functions at;
+        double share[3], *x = needle.x, *y = needle.y;
+        for (int c = 0; c < 3; c++) {
+            const double along = test_random(&state, -1, 1);
+            x[c] = nudged(&state, p.x + along * to.x);
+            y[c] = nudged(&state, p.y + along * to.y);
+        }
+        needle.twice_area = fabs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]));
+        edges_at(x, y, p.x, p.y, &at);
+        flat += needle.twice_area > 0 && at.e[0] == 0 && at.e[1] == 0 && at.e[2] == 0;
+        none += !isfinite(shares_at(&needle, p.x, p.y, share)) || !isfinite(share[0]) ||
+                !isfinite(share[1]) || !isfinite(share[2]);
+    }
+    CHECK(none == 0 && flat > 30,
+          "a centre has shares in a needle, also where no area is left there: %d have none, %d lie "
+          "so",
+          none, flat);
+}
+
 /* Triangles are so thin that the rounded corners decide: a centre is covered exactly if the corners
  * in the window, moved by the centre, turn round it. On an edge both results are allowed here; the
  * grids check which is right. */
@@ -708,6 +737,7 @@ int main(void)
     check_grid(perspective, 3, "a grid with moved corners in perspective");
     check_grid(huge, 0, "a huge grid in perspective");
     check_signs();
+    check_shares();
     check_needles(parallel, "needles");
     check_needles(perspective, "needles in perspective");
     return test_end();
