@@ -185,17 +185,19 @@ static bool pilots_choose(struct fit *fit, struct error *err)
  * pilots k, with a bound e on p as prior knowledge, estimate p by M^-1 sum_k g_k d_k / n_k^2, where
  * M = sum_k g_k g_k' / n_k^2 + diag(1 / e^2). Let q = g_b' M^-1 g_b. By the inequality of Cauchy
  * and Schwarz the roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the
- * prior of m unknowns by at most sqrt(m q). */
+ * prior of m unknowns by at most sqrt(m q).
+ * Sums in single precision are off by r at most, which is added to the diagonal, so that M is no
+ * less than it should be. This moves g_b . p by r |p| twice, and by the error of sum_k g_k d_k /
+ * n_k^2, which is r |p| and less than a hundredth of the first two: by 3 sqrt(r q) |e| in all. */
 
 /* Rows of an estimate: of the sum g g' / n^2 the lower triangle, row by row, and then of the sum
- * b of g d / n^2; after the last pilot what take_root makes of them. m unknowns have m (m + 3) / 2.
- */
+ * b of g d / n^2, for m unknowns m (m + 3) / 2; after the last pilot what take_root makes of them,
+ * and one more. */
 static size_t row_of_pair(int i, int j)
 {
     return (size_t)(i * (i + 1) / 2 + j);
 }
-/* Single precision rounds the sums by less than this part of their largest number, and what they
- * explain of differences up to 10^4 n by less than a hundredth of the bound. */
+/* r is this part of the trace of M. */
 static const double sums_error = MOST_PILOTS * 6e-8, estimate_factor = 1.01;
 
 static bool has_places(const struct shaded_material *shaded)
@@ -250,21 +252,21 @@ static void solve(int m, const float *root, size_t stride, const double *b, doub
 
 /* Puts the root L of M = L L' (Cholesky) into the rows of M, with reciprocals on the diagonal, and
  * L^-1 b into those of b, for all bands to explain by: single precision rounds both by less than it
- * did the sums. A place without an error in some direction is not off in it: the reciprocal is 0.
- */
-static void take_root(const struct slope *slope, float *rows, size_t stride)
+ * did the sums. The last row gets sqrt(K) + sqrt(m) + 3 sqrt(r) |e|, and a hundredth. A place
+ * without an error in some direction is not off in it: the reciprocal is 0. */
+static void take_root(const struct slope *slope, int n_pilots, float *rows, size_t stride)
 {
     const int m = slope->m;
-    double root[TEXEL_PLACE][TEXEL_PLACE], b[TEXEL_PLACE], of_b[TEXEL_PLACE], trace = 0;
+    double root[TEXEL_PLACE][TEXEL_PLACE], b[TEXEL_PLACE], of_b[TEXEL_PLACE], r = 0, square = 0;
     for (int i = 0; i < m; i++) {
-        trace += (double)rows[row_of_pair(i, i) * stride];
+        r += sums_error * (double)rows[row_of_pair(i, i) * stride];
+        square += slope->e_place[i] * slope->e_place[i];
         b[i] = (double)rows[row_of_pair(m, i) * stride];
     }
     for (int i = 0; i < m; i++)
         for (int j = 0; j <= i; j++) {
-            const double e = slope->e_place[i];
             double left = (double)rows[row_of_pair(i, j) * stride];
-            left += i == j ? sums_error * trace + 1 / (e * e) : 0;
+            left += i == j ? r + 1 / (slope->e_place[i] * slope->e_place[i]) : 0;
             for (int k = 0; k < j; k++)
                 left -= root[i][k] * root[j][k];
             root[i][j] = i == j ? 1 / sqrt(left) : left * root[j][j];
@@ -273,10 +275,12 @@ static void take_root(const struct slope *slope, float *rows, size_t stride)
     solve(m, rows, stride, b, of_b);
     for (int i = 0; i < m; i++)
         rows[row_of_pair(m, i) * stride] = (float)of_b[i];
+    rows[row_of_pair(m, m) * stride] =
+        (float)(estimate_factor * (sqrt(n_pilots) + sqrt(m) + 3 * sqrt(r * square)));
 }
 
-static void place_add(const struct run *run, const double *difference, bool is_last,
-                      float *estimate)
+static void place_add(const struct fit *fit, const struct run *run, const double *difference,
+                      bool is_last, float *estimate)
 {
     const int m = unknowns_of(run->shaded);
     for (size_t i = 0; i < run->n; i++) {
@@ -288,7 +292,7 @@ static void place_add(const struct run *run, const double *difference, bool is_l
             estimate[row_of_pair(m, j) * run->stride + i] += (float)(g[j] * difference[i] * over);
         }
         if (is_last && slope.is_straight)
-            take_root(&slope, estimate + i, run->stride);
+            take_root(&slope, fit->n_passes * BANDS_PER_PASS, estimate + i, run->stride);
     }
 }
 
@@ -311,18 +315,18 @@ static void place_explain(const struct fit *fit, const struct run *run, int band
 {
     const bool is_pilot = pilot_of(fit, band) >= 0;
     const int m = unknowns_of(run->shaded);
-    const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(m);
     for (size_t i = 0; i < run->n; i++) {
         const struct slope slope = slope_of(run, m, i);
         double explained, q;
         out->explained[i] = 0;
-        out->limit[i] = out->floor[i] = slope.is_straight ? (float)slope.noise : HUGE_VALF;
+        out->limit[i] = out->floor[i] = HUGE_VALF;
         if (!slope.is_straight)
             continue;
         estimate_place(&slope, estimate + i, run->stride, &explained, &q);
         const double itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
         out->explained[i] = (float)explained;
-        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(q));
+        out->limit[i] =
+            (float)slope.noise + estimate[row_of_pair(m, m) * run->stride + i] * (float)sqrt(q);
         out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
     }
 }
@@ -476,7 +480,7 @@ int fit_rows(const struct plan *plan)
     int rows = plan->max_rows;
     for (int i = 0; i < plan->n_materials; i++) {
         const int m = has_places(&plan->materials[i]) ? unknowns_of(&plan->materials[i]) : 0,
-                  n = m * (m + 3) / 2;
+                  n = m > 0 ? m * (m + 3) / 2 + 1 : 0;
         rows = n > rows ? n : rows;
     }
     return rows;
@@ -487,7 +491,7 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
 {
     const size_t n_terms = (size_t)run->shaded->n_terms;
     if (has_places(run->shaded)) {
-        place_add(run, difference, band == fit->pilots[fit->n_pilots - 1], estimate);
+        place_add(fit, run, difference, band == fit->pilots[fit->n_pilots - 1], estimate);
         return;
     }
     const float *gains = material_of(fit, run)->gains + (size_t)pilot_of(fit, band) * n_terms;

@@ -26,7 +26,6 @@ struct judged_point {
 };
 struct estimating {
     const struct lit_scene *lit;
-    const struct plan *plan; /* of the lit scene */
     struct measure measure;
     struct lattice lattice;
     struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
@@ -69,7 +68,7 @@ static bool draw_pixel(void *context, int x, int y)
 {
     const struct lattice_scan *scan = context;
     const struct lattice *lattice = &scan->of->lattice;
-    const struct view *view = &scan->of->plan->view;
+    const struct view *view = &scan->of->lit->plan->view;
     const double at[2] = {lattice->step * (x + 0.5) + lattice->shear * (y + 0.5),
                           lattice->step * (y + 0.5)};
     const double depth = covered_depth(scan->triangle, at[0], at[1]);
@@ -104,7 +103,7 @@ static void draw_surface(const struct estimating *of, int index)
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct surface *surface = &of->lit->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
-        const int n = screen_triangles(&of->plan->view, surface, i, depth_planes, 2, parts);
+        const int n = screen_triangles(&of->lit->plan->view, surface, i, depth_planes, 2, parts);
         for (int part = 0; part < n; part++)
             draw_triangle(of, index, &parts[part]);
     }
@@ -113,14 +112,14 @@ static void draw_surface(const struct estimating *of, int index)
 /* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
 static bool find_seen(struct estimating *of, int wanted, struct error *err)
 {
-    of->lattice = lattice_of(&of->plan->view, wanted);
+    of->lattice = lattice_of(&of->lit->plan->view, wanted);
     of->n_pixels = of->lattice.rows * of->lattice.columns;
     if (!MAKE_ARRAY(of->pixels, (size_t)of->n_pixels + 1, err, "the pixels that are judged"))
         return false;
     for (int i = 0; i < of->n_pixels; i++)
         of->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
-    for (int s = 0; s < of->plan->n_instances; s++)
-        if (of->plan->instances[s].in_view && !of->plan->instances[s].twin)
+    for (int s = 0; s < of->lit->plan->n_instances; s++)
+        if (of->lit->plan->instances[s].in_view && !of->lit->plan->instances[s].twin)
             draw_surface(of, s);
     return true;
 }
@@ -134,8 +133,8 @@ static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
     struct shaded_point points[2];
     if (pixel->surface < 0)
         return;
-    const struct placed_instance *placed = &of->plan->instances[pixel->surface];
-    const struct judged_surface surface = {of->lit, placed, &of->plan->meshes[placed->mesh],
+    const struct placed_instance *placed = &of->lit->plan->instances[pixel->surface];
+    const struct judged_surface surface = {of->lit, placed, &of->lit->plan->meshes[placed->mesh],
                                            &of->lit->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
     if (compare_point(&surface, &pixel->triangle, pixel->at, of->attributes, points))
@@ -149,9 +148,9 @@ static void judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
 static bool open_patches(struct estimating *of, struct error *err)
 {
     bool done = true;
-    for (int i = 0; done && i < of->plan->n_meshes; i++)
-        if (of->plan->meshes[i].mesh.parametric)
-            done = patches_open(&of->plan->meshes[i].shape, &of->patches[i], err);
+    for (int i = 0; done && i < of->lit->plan->n_meshes; i++)
+        if (of->lit->plan->meshes[i].mesh.parametric)
+            done = patches_open(&of->lit->plan->meshes[i].shape, &of->patches[i], err);
     return done;
 }
 
@@ -220,7 +219,7 @@ bool accuracy_estimate(const struct lit_scene *lit, const char *observer, int wa
                        struct accuracy_estimate *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    struct estimating of = {.lit = lit, .plan = plan};
+    struct estimating of = {.lit = lit};
     bool done = measure_make(lit, out->unit, observer, &of.measure, err);
     free(out->objects);
     *out = (struct accuracy_estimate){.known = of.measure.known, .unit = of.measure.unit};

@@ -174,8 +174,7 @@ static void darken(const struct judged_surface *of, const struct screen_triangle
     const struct view *view = &of->lit->plan->view;
     const struct instance *instance = of->surface->instance;
     struct seen_point point = seen_point(of->lit->surfaces, triangle, share);
-    point.asked =
-        lights_weighed(view, instance, drawn, 1) | lights_weighed(view, instance, exact, 1);
+    point.asked = UINT32_MAX;
     lights_block(&of->lit->occluders, view, &point, 1);
     lights_darken(view, instance, point.dark, drawn, 1);
     lights_darken(view, instance, point.dark, exact, 1);

@@ -228,9 +228,66 @@ static void check_textured(void)
     fit_free(&bench.fit);
 }
 
+/* Lets the run keep a straight texture of this slope, off by `rest` besides. */
+static void keep_slope(struct bench *bench, const double slope[TEXEL_PLACE], double rest)
+{
+    bench->textured = (struct textured_sample){.texel = {.is_straight = true, .rest = rest}, 1, 0};
+    memcpy(bench->textured.texel.slope, slope, sizeof bench->textured.texel.slope);
+}
+
+/* Places as far off as they may be, where slopes are more and more alike in all bands, and up to
+ * 10^5 times what each band is off by itself, so that sums in single precision are too rough. */
+static void check_alike(void)
+{
+    uint64_t state = 4;
+    int wrong = 0;
+    double slope[BANDS_TRIED][TEXEL_PLACE], rest[BANDS_TRIED];
+    struct bench bench;
+    test_need(make(&bench, &state, 1, 30, false, 3), "no memory");
+    draw_pixel(&bench, &state);
+    for (int i = 0; i < TRIALS / 30; i++) {
+        const double apart = pow(10, test_random(&state, -6, 0)),
+                     ratio = pow(10, test_random(&state, 0, 5));
+        double base[TEXEL_PLACE], off[TEXEL_PLACE];
+        for (int k = 0; k < TEXEL_PLACE; k++) {
+            base[k] = test_random(&state, -1, 1);
+            bench.errors[1 + k] = (float)pow(10, test_random(&state, -3, -0.3));
+            off[k] = (double)bench.errors[1 + k] * (test_random(&state, -1, 1) < 0 ? -1 : 1);
+        }
+        for (int b = 0; b < bench.plan.n_bands; b++) {
+            const double size = test_random(&state, 0.2, 1);
+            bench.difference[b] = rest[b] = 0;
+            for (int k = 0; k < TEXEL_PLACE; k++) {
+                slope[b][k] = size * base[k] + apart * test_random(&state, -1, 1);
+                rest[b] += fabs(slope[b][k] * off[k]) / ratio;
+                bench.difference[b] += slope[b][k] * off[k];
+            }
+            bench.difference[b] += test_random(&state, -rest[b], rest[b]);
+        }
+        memset(bench.estimate, 0, sizeof bench.estimate);
+        for (int p = 0; p < bench.fit.n_pilots; p++) {
+            const int b = bench.fit.pilots[p];
+            keep_slope(&bench, slope[b], rest[b]);
+            fit_add(&bench.fit, &bench.run, b, &bench.difference[b], bench.estimate);
+        }
+        for (int b = 0; b < bench.plan.n_bands; b++) {
+            const float none = HUGE_VALF;
+            struct fit_block block;
+            keep_slope(&bench, slope[b], rest[b]);
+            wrong +=
+                !fit_explain(&bench.fit, &bench.run, b, bench.estimate, &none, &block) ||
+                !(fabs(bench.difference[b] - (double)block.explained[0]) <= (double)block.limit[0]);
+        }
+    }
+    CHECK(wrong == 0, "slopes that are alike in all bands explain them within the bound: %d do not",
+          wrong);
+    fit_free(&bench.fit);
+}
+
 int main(void)
 {
     check_steps();
+    check_alike();
     check_textured();
     check_fit("one term", 1, 31, false, 0);
     check_fit("two terms", 2, 31, false, 0);
