@@ -186,9 +186,9 @@ static bool pilots_choose(struct fit *fit, struct error *err)
  * M = sum_k g_k g_k' / n_k^2 + diag(1 / e^2). Let q = g_b' M^-1 g_b. By the inequality of Cauchy
  * and Schwarz the roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the
  * prior of m unknowns by at most sqrt(m q).
- * Sums in single precision are off by r at most, which is added to the diagonal, so that M is no
- * less than it should be. This moves g_b . p by r |p| twice, and by the error of sum_k g_k d_k /
- * n_k^2, which is r |p| and less than a hundredth of the first two: by 3 sqrt(r q) |e| in all. */
+ * Sums in single precision are off, those of M by r at most: r is added to the diagonal, so that M
+ * does not become less. Both move g_b . p by at most sqrt(r q) |e|; the errors of the sum of
+ * g_k d_k / n_k^2 by as much, and by a hundredth of the bounds above. */
 
 /* Rows of an estimate: of the sum g g' / n^2 the lower triangle, row by row, and then of the sum
  * b of g d / n^2, for m unknowns m (m + 3) / 2; after the last pilot what take_root makes of them,
@@ -197,7 +197,8 @@ static size_t row_of_pair(int i, int j)
 {
     return (size_t)(i * (i + 1) / 2 + j);
 }
-/* r is this part of the trace of M. */
+/* A sum of as many numbers as there are pilots is off by less than this part of its largest; r is
+ * the same part of the trace of M. */
 static const double sums_error = MOST_PILOTS * 6e-8, estimate_factor = 1.01;
 
 static bool has_places(const struct shaded_material *shaded)
