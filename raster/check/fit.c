@@ -253,7 +253,7 @@ static void solve(int m, const float *root, size_t stride, const double *b, doub
 
 /* Puts the root L of M = L L' (Cholesky) into the rows of M, with reciprocals on the diagonal, and
  * L^-1 b into those of b, for all bands to explain by: single precision rounds both by less than it
- * did the sums. The last row gets sqrt(K) + sqrt(m) + 3 sqrt(r) |e|, and a hundredth. A place
+ * did the sums. The last row gets sqrt(K) + sqrt(m) + 3 sqrt(r) |e|, and a hundredth more. A place
  * without an error in some direction is not off in it: the reciprocal is 0. */
 static void take_root(const struct slope *slope, int n_pilots, float *rows, size_t stride)
 {

@@ -9,12 +9,13 @@
 /* ---- the library ---- */
 
 /* Mesa takes and frees blocks of megabytes in each draw. The GNU C library gives them back to the
- * kernel, which clears them for the next draw: with these bytes it keeps them. M_TOP_PAD stays
- * small: the heap of each thread has it, and --memory counts it. */
+ * kernel, which clears them for the next draw: with these bytes it keeps them. The second number
+ * alone would leave the first as small as it begins. M_TOP_PAD stays small: the heap of each thread
+ * has it, and --memory counts it. */
 static void keep_freed_blocks(void)
 {
 #ifdef __GLIBC__
-    if (mallopt(M_MMAP_THRESHOLD, 1 << 25)) /* the other one alone would make this the least */
+    if (mallopt(M_MMAP_THRESHOLD, 1 << 25))
         mallopt(M_TRIM_THRESHOLD, 1 << 26);
 #endif
 }

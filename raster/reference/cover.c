@@ -163,8 +163,8 @@ double covered_depth(const struct screen_triangle *triangle, double px, double p
 }
 
 /* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
- * that clipping left they extrapolate; where it has no area, or none that roundings leave at the
- * point, they are those of its middle. */
+ * that clipping left they extrapolate; where it has no area, or roundings leave none at the point,
+ * they are those of its middle. */
 double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
 {
     struct edge_functions edges;

@@ -674,9 +674,7 @@ static void check_shares(void)
                 !isfinite(share[1]) || !isfinite(share[2]);
     }
     CHECK(none == 0 && flat > 30,
-          "a centre has shares in a needle, also where no area is left there: %d have none, %d lie "
-          "so",
-          none, flat);
+          "a centre has shares in a needle: %d have none; of %d no area is left", none, flat);
 }
 
 /* Triangles are so thin that the rounded corners decide: a centre is covered exactly if the corners

@@ -222,7 +222,8 @@ def fine():
     off = float(re.search(r"error 95 +([0-9.e-]+)", plan_of(100).stdout)[1])
     check(found and 0.7 < float(found[1]) / off < 1.4, "and a quarter of the triangles is off by that", found and found[1], off)
     relief = run("plan", HEAD + LIGHT + GREY + "object plane 12 9 300 displace weave 0.02 material m\n")
-    for name, plan in ("coarser one", plan_of(50)), ("larger picture", plan_of(200, "--size", "2000x2000")), ("relief, which fewer would not show", relief):
+    for name, plan in (("coarser one", plan_of(50)), ("larger picture", plan_of(200, "--size", "2000x2000")),
+                       ("relief, which fewer would not show", relief)):
         check(printed(plan) == [], f"a {name} gets none", printed(plan))
 
 
